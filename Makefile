@@ -1,0 +1,141 @@
+# make            build/bin/{smaltid,smalti-worker,smalti}
+# make demo       install what is missing, render an example on a farm of processes here
+# make check      install what the tests need, build, run every test     (README: "Tests")
+# make check-long the same under ASan/UBSan and TSan, with gcc and clang
+# make bench      measurements, each beside a peer or oracle, in one run
+# MODE=release|debug|asan|tsan|coverage|fuzz    CC=gcc|clang    WERROR=1
+
+MODE   ?= release
+CC      = gcc
+PREFIX ?= /usr/local
+O      := build/$(MODE)$(if $(filter clang%,$(notdir $(CC))),-clang)
+B      := $(if $(filter build/release,$(O)),build/bin,$(O)/bin)
+
+WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wdouble-promotion \
+	-Wswitch-enum -Wcast-qual -Wwrite-strings -Wundef -Wvla -Wformat=2 -Wstrict-prototypes \
+	-Wmissing-prototypes $(if $(WERROR),-Werror)
+# Same pixels: strict floating point, one fixed instruction set for the core (docs/design.md).
+FLOAT := -ffp-contract=off -fno-math-errno -fno-trapping-math -fno-fast-math
+HARDEN := -fstack-protector-strong -fPIE
+
+CFLAGS_release  := -O3 -D_FORTIFY_SOURCE=2
+CFLAGS_debug    := -O0 -DSMALTI_SLOW_CHECKS
+CFLAGS_asan     := -O1 -DSMALTI_SLOW_CHECKS -fsanitize=address,undefined -fno-sanitize-recover=all
+CFLAGS_tsan     := -O1 -DSMALTI_SLOW_CHECKS -fsanitize=thread
+CFLAGS_coverage := -O0 --coverage
+CFLAGS_fuzz     := -O1 -DSMALTI_SLOW_CHECKS -fsanitize=address,undefined,fuzzer-no-link
+LDFLAGS_asan     := -fsanitize=address,undefined
+LDFLAGS_tsan     := -fsanitize=thread
+LDFLAGS_coverage := --coverage
+LDFLAGS_fuzz     := -fsanitize=address,undefined
+
+ALL_CFLAGS = -std=c17 -D_POSIX_C_SOURCE=200809L -g -I. $(WARN) $(FLOAT) $(HARDEN) $(CFLAGS_$(MODE)) \
+	-isystem /usr/include/OpenEXR -isystem /usr/include/Imath -pthread $(CFLAGS)
+ALL_LDFLAGS = -pthread -pie -Wl,-z,relro,-z,now $(LDFLAGS_$(MODE)) $(LDFLAGS)
+
+LIBS_COMMON := -ljansson -lz -lcrypto -lm
+LIBS_HTTP   := -lcurl
+LIBS_IMAGE  := -lOpenEXRCore -lpng
+LIBS_SERVER := -lmicrohttpd -lsqlite3
+
+obj    = $(patsubst %.c,$(O)/%.o,$(1))
+COMMON := $(wildcard common/*.c)
+TRACE  := $(wildcard common/trace/*.c)
+SERVER := $(filter-out server/main.c,$(wildcard server/*.c))
+WORKER := $(filter-out worker/main.c,$(wildcard worker/*.c))
+CLIENT := $(filter-out client/main.c,$(wildcard client/*.c))
+TESTS  := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/test_*.c))
+BENCH  := $(patsubst bench/%.c,$(B)/%,$(wildcard bench/bench_*.c))
+TOOLS  := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/tool_*.c))
+FUZZ   := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/fuzz_*.c))
+
+.PHONY: all tests demo check check-unit check-rules check-e2e check-long bench fuzz install clean
+.SECONDARY:
+.DELETE_ON_ERROR:
+
+all: $(B)/smaltid $(B)/smalti-worker $(B)/smalti
+
+$(O)/libcommon.a: $(call obj,$(COMMON))
+$(O)/libtrace.a:  $(call obj,$(TRACE))
+$(O)/libserver.a: $(call obj,$(SERVER))
+$(O)/libworker.a: $(call obj,$(WORKER))
+$(O)/libclient.a: $(call obj,$(CLIENT))
+$(O)/libtest.a:   $(call obj,$(filter-out tests/test_%.c tests/tool_%.c tests/fuzz_%.c,$(wildcard tests/*.c)))
+$(O)/%.a:
+	@rm -f $@
+	$(AR) rcs $@ $^
+
+$(B)/smaltid: $(O)/server/main.o $(O)/libserver.a $(O)/libcommon.a
+	@mkdir -p $(@D)
+	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_SERVER) $(LIBS_IMAGE) $(LIBS_COMMON)
+$(B)/smalti-worker: $(O)/worker/main.o $(O)/libworker.a $(O)/libtrace.a $(O)/libcommon.a
+	@mkdir -p $(@D)
+	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_HTTP) $(LIBS_COMMON)
+$(B)/smalti: $(O)/client/main.o $(O)/libclient.a $(O)/libtrace.a $(O)/libcommon.a
+	@mkdir -p $(@D)
+	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_HTTP) $(LIBS_IMAGE) $(LIBS_COMMON)
+
+# Tests, tools and benchmarks may use every part of every program but its main.c.
+PARTS = $(O)/libtest.a $(O)/libserver.a $(O)/libworker.a $(O)/libclient.a $(O)/libtrace.a $(O)/libcommon.a
+LIBS_ALL = $(LIBS_SERVER) $(LIBS_HTTP) $(LIBS_IMAGE) $(LIBS_COMMON)
+$(B)/test_%: $(O)/tests/test_%.o $(PARTS)
+	@mkdir -p $(@D)
+	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_ALL)
+$(B)/tool_%: $(O)/tests/tool_%.o $(PARTS)
+	@mkdir -p $(@D)
+	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_ALL)
+$(B)/bench_%: $(O)/bench/bench_%.o $(PARTS)
+	@mkdir -p $(@D)
+	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_ALL)
+$(B)/fuzz_%: $(O)/tests/fuzz_%.o $(PARTS)
+	@mkdir -p $(@D)
+	$(CC) $(ALL_LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(LIBS_ALL)
+
+$(O)/common/trace/%.o: ALL_CFLAGS += -march=x86-64-v3
+$(O)/server/static.o: $(wildcard web/*) docs/scene.schema.json
+$(O)/%.o: %.c Makefile
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) -MMD -MP -c -o $@ $<
+-include $(shell find $(O) -name '*.d' 2>/dev/null)
+
+tests: $(TESTS) $(TOOLS)
+
+demo:
+	deploy/install-deps build
+	$(MAKE) all
+	deploy/demo
+
+check:
+	deploy/install-deps build test
+	$(MAKE) WERROR=1 all tests
+	$(MAKE) check-rules check-unit check-e2e
+
+check-rules:
+	tests/check_includes.sh
+	tests/check_symbols.sh $(O)
+check-unit: tests
+	prove --exec '' $(TESTS)
+check-e2e: all tests
+	BIN=$(B) prove --exec python3 $(wildcard tests/e2e_*.py)
+
+check-long:
+	deploy/install-deps build test
+	$(MAKE) CC=clang WERROR=1 all check-unit
+	$(MAKE) MODE=asan WERROR=1 check-unit check-e2e
+	$(MAKE) MODE=tsan WERROR=1 check-unit check-e2e
+
+bench: all $(BENCH) $(TOOLS)
+	@for b in $(BENCH); do echo "== $$b"; $$b || exit 1; done
+
+fuzz:
+	$(MAKE) MODE=fuzz CC=clang fuzz-run
+fuzz-run: $(FUZZ)
+	for f in $(FUZZ); do $$f -max_total_time=$${SECONDS_EACH:-60} -print_final_stats=1 || exit 1; done
+
+install: all
+	install -D -t $(DESTDIR)$(PREFIX)/bin $(B)/smaltid $(B)/smalti-worker $(B)/smalti
+	install -D -m 644 -t $(DESTDIR)$(PREFIX)/share/smalti/scenes scenes/*.json
+	install -D -m 644 -t $(DESTDIR)$(PREFIX)/share/doc/smalti README.md LICENSE docs/*
+
+clean:
+	rm -rf build

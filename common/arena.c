@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: MIT */
+#include "common/arena.h"
+
+#include <assert.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { CHUNK_MIN = 64 * 1024, ALIGN_MAX = 64 };
+
+struct arena_chunk {
+    struct arena_chunk *next;
+    size_t size; /* bytes of data */
+    size_t used;
+    alignas(ALIGN_MAX) unsigned char data[];
+};
+
+static void out_of_memory(size_t count, size_t size)
+{
+    fprintf(stderr, "smalti: out of memory: %zu x %zu bytes\n", count, size);
+    abort();
+}
+
+static size_t checked_mul(size_t count, size_t size)
+{
+    size_t bytes;
+    if (__builtin_mul_overflow(count, size, &bytes) || bytes > PTRDIFF_MAX / 2)
+        out_of_memory(count, size);
+    return bytes;
+}
+
+void *arena_malloc(size_t count, size_t size)
+{
+    void *p = calloc(count ? count : 1, size ? size : 1);
+    if (!p)
+        out_of_memory(count, size);
+    return p;
+}
+
+void *arena_realloc(void *old, size_t count, size_t size)
+{
+    const size_t bytes = checked_mul(count, size);
+    void *p = realloc(old, bytes ? bytes : 1);
+    if (!p)
+        out_of_memory(count, size);
+    return p;
+}
+
+static struct arena_chunk *chunk_new(size_t bytes)
+{
+    const size_t total = sizeof(struct arena_chunk) + bytes;
+    const size_t rounded = (total + ALIGN_MAX - 1) & ~(size_t)(ALIGN_MAX - 1);
+    struct arena_chunk *c = aligned_alloc(ALIGN_MAX, rounded);
+    if (!c)
+        out_of_memory(1, rounded);
+    c->next = NULL;
+    c->size = rounded - sizeof(struct arena_chunk);
+    c->used = 0;
+    return c;
+}
+
+void *arena_alloc(struct arena *a, size_t count, size_t size, size_t align)
+{
+    assert(align && align <= ALIGN_MAX && !(align & (align - 1)));
+    const size_t bytes = checked_mul(count, size);
+    struct arena_chunk *c = a->head;
+    size_t at = c ? (c->used + align - 1) & ~(align - 1) : 0;
+    if (!c || at > c->size || c->size - at < bytes) {
+        const size_t grow = c ? c->size * 2 : CHUNK_MIN;
+        const size_t cap = (size_t)16 * 1024 * 1024; /* beyond this, growth wastes more than it saves */
+        size_t want = grow < cap ? grow : cap;
+        if (want < bytes)
+            want = bytes;
+        c = chunk_new(want);
+        c->next = a->head;
+        a->head = c;
+        at = 0;
+    }
+    c->used = at + bytes;
+    a->used_bytes += bytes;
+    return memset(c->data + at, 0, bytes);
+}
+
+char *arena_strdup(struct arena *a, const char *text)
+{
+    const size_t n = strlen(text) + 1;
+    return memcpy(arena_new(a, char, n), text, n);
+}
+
+char *arena_printf(struct arena *a, const char *fmt, ...)
+{
+    va_list ap, again;
+    va_start(ap, fmt);
+    va_copy(again, ap);
+    const int n = vsnprintf(NULL, 0, fmt, ap);
+    va_end(ap);
+    assert(n >= 0);
+    char *text = arena_new(a, char, (size_t)n + 1);
+    vsnprintf(text, (size_t)n + 1, fmt, again);
+    va_end(again);
+    return text;
+}
+
+static void free_chunks(struct arena_chunk *c)
+{
+    while (c) {
+        struct arena_chunk *next = c->next;
+        free(c);
+        c = next;
+    }
+}
+
+void arena_reset(struct arena *a)
+{
+    struct arena_chunk *keep = a->head;
+    for (struct arena_chunk *c = a->head; c; c = c->next)
+        if (c->size > keep->size)
+            keep = c;
+    for (struct arena_chunk **at = &a->head; *at;) {
+        struct arena_chunk *c = *at;
+        *at = c->next;
+        if (c != keep)
+            free(c);
+    }
+    if (keep) {
+        keep->next = NULL;
+        keep->used = 0;
+    }
+    a->head = keep;
+    a->used_bytes = 0;
+}
+
+void arena_release(struct arena *a)
+{
+    free_chunks(a->head);
+    *a = (struct arena){0};
+}

@@ -1,0 +1,25 @@
+/* estimate.h - film -> standard errors.
+ *
+ * With replicate means m_r of n_r samples (r = 0 .. 7, n_r > 0), the standard error of a
+ * pixel's mean is s = sd(m_r) / sqrt(8), sd with 7 degrees of freedom; the 95 % interval is
+ * mean +- 2.365 s (Student t, 7 degrees of freedom). Before every replicate has a
+ * sample (spp < 8) the error is unknown: +infinity.
+ *
+ * The job's error is the root of the expected relMSE over pixels and channels,
+ *
+ *     error = sqrt( mean over px, ch of s^2 / (y^2 + e^2) ),  e = 0.01 mean(y),
+ *
+ * y the pixel's mean: the same form as the relMSE of `smalti diff`, so an error of 0.02
+ * reads "the image is 2 % RMS away from its limit". Sums run in pixel order in double, so the
+ * number is the same on every machine. Pure functions.
+ * SPDX-License-Identifier: MIT */
+#ifndef COMMON_ESTIMATE_H
+#define COMMON_ESTIMATE_H
+
+#include "common/film.h"
+
+void estimate_pixel(const struct film *, size_t pixel, double standard_error[3]);
+double estimate_error(const struct film *); /* +infinity while any pixel's is unknown;
+                                             * 0 for an image that is black everywhere */
+
+#endif

@@ -1,0 +1,77 @@
+/* film.h - the accumulators: tile samples (what one pass of one tile adds) and the
+ * film of a frame (what they are merged into).
+ *
+ * Replicates (docs/accuracy.md): sample i of a pixel belongs to replicate i mod 8, and each
+ * replicate has its own scramble, so the eight replicate means are independent
+ * estimates of the pixel even though the samples inside one are not. Their spread gives
+ * the standard error (estimate.h).
+ *
+ * Same pixels (P1): a pass sums its samples in sample order in double and rounds each
+ * replicate's sum once to float, which is what travels; the film adds passes in pass
+ * order. Merging anything else than the next pass is a caller's bug (assert).
+ *
+ * A film belongs to one thread at a time. Pure: no I/O, no clock.
+ * SPDX-License-Identifier: MIT */
+#ifndef COMMON_FILM_H
+#define COMMON_FILM_H
+
+#include "common/arena.h"
+#include "common/color.h"
+#include "common/tile.h"
+
+enum {
+    FILM_REPLICATES = 8,
+    FILM_CHANNELS = 3 * FILM_REPLICATES, /* floats per pixel in tile samples: [replicate][rgb] */
+    FILM_MAX_KEYS = 16,
+};
+
+/* A sample that came out negative or not finite: it counts as black and can be traced again. */
+struct film_key {
+    uint32_t x_px, y_px, sample;
+};
+
+struct film_samples {
+    struct tile_rect rect;
+    struct tile_pass pass;
+    float *sums; /* [row][column][replicate][rgb], rows of rect from the top; owned by the arena
+                  * given to film_samples_make */
+    uint64_t invalid_count;               /* all of them */
+    uint32_t key_count;                   /* min(invalid_count, FILM_MAX_KEYS) */
+    struct film_key keys[FILM_MAX_KEYS];  /* the first ones in (y, x, sample) order */
+};
+
+struct film_samples film_samples_make(struct tile_rect, struct tile_pass, struct arena *);
+void film_samples_note_invalid(struct film_samples *, struct film_key);
+
+struct film {
+    struct tile_rect window; /* pixels of the whole frame */
+    double *sum;             /* [row][column][rgb]: all samples */
+    float *replicate;        /* [row][column][replicate][rgb] */
+    uint32_t *spp;           /* [row][column]: samples merged, always the indices [0, spp) */
+    uint64_t invalid_count;
+    uint32_t key_count;
+    struct film_key keys[FILM_MAX_KEYS]; /* the smallest by (sample, y, x): whatever came first */
+};
+
+void film_init(struct film *, struct tile_rect window); /* heap; all zero */
+void film_release(struct film *);
+size_t film_bytes(const struct film *); /* memory of the three arrays */
+
+/* Adds the samples. Every pixel of samples->rect holds [0, samples->pass.s_begin) so far. */
+void film_merge(struct film *, const struct film_samples *);
+
+/* How many samples of [0, spp) belong to replicate r. */
+static inline uint32_t film_replicate_spp(uint32_t spp, uint32_t r)
+{
+    return (spp + FILM_REPLICATES - 1 - r) / FILM_REPLICATES;
+}
+
+/* Mean radiance of a pixel given by its index in the window; black before the first sample. */
+static inline void film_mean(const struct film *f, size_t pixel, double mean[3])
+{
+    const double n = f->spp[pixel] ? f->spp[pixel] : 1;
+    for (int c = 0; c < 3; c++)
+        mean[c] = f->sum[3 * pixel + (size_t)c] / n;
+}
+
+#endif

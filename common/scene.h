@@ -1,0 +1,193 @@
+/* scene.h - the scene description: what the author wrote, checked and with its
+ * defaults filled in. READ THIS FIRST.
+ *
+ *   Length m. Angle rad; degrees only in JSON, named *_deg. Time ms (int64_t, monotonic).
+ *   Right-handed, y up, camera looks along -z. uv origin bottom left; pixel origin top left,
+ *   pixel (x, y) covers [x, x+1) x [y, y+1).
+ *   Directions are unit length unless named *_raw. wo, wi point away from the surface;
+ *   cosines are against the shading normal ns unless said; ng is the geometric normal.
+ *   Color: linear, Rec. 709 primaries, D65 white. Anything else is named (srgb8).
+ *   Radiance W/(m^2 sr). pdf_w per steradian, pdf_a per m^2. float in the core;
+ *   double for sums over a whole image and for statistics.
+ *
+ * A scene is plain data: arrays and indices, no pointers between its objects. All
+ * memory belongs to the arena given to scene_parse. Mesh assets are named, not
+ * loaded: mesh_read (mesh.h) fills `struct mesh` in a second step, because the
+ * coordinator checks documents and never opens a mesh.
+ *
+ * The document format is specified in docs/scene.md.
+ * SPDX-License-Identifier: MIT */
+#ifndef COMMON_SCENE_H
+#define COMMON_SCENE_H
+
+#include "common/arena.h"
+#include "common/color.h"
+#include "common/err.h"
+#include "common/hash.h"
+
+/* What we agree to render. Documents beyond a limit are refused with ERR_LIMIT. */
+enum {
+    SCENE_MAX_BYTES = 4 * 1024 * 1024,  /* of JSON: jansson needs about 13 times that */
+    SCENE_MAX_DEPTH = 32,               /* of nesting */
+    SCENE_MAX_SIDE_PX = 16384,          /* film width, height */
+    SCENE_MAX_PIXELS = 64 * 1024 * 1024,
+    SCENE_MAX_SHAPES = 100000,
+    SCENE_MAX_MATERIALS = 10000,
+    SCENE_MAX_LIGHTS = 100000,          /* point, distant and sky entries */
+    SCENE_MAX_TRIANGLES = 100000000,    /* of all meshes together */
+    SCENE_MAX_NAME = 128,               /* bytes of a name or title */
+    SCENE_MAX_BOUNCES = 10000,
+    SCENE_MAX_SPP = 1 << 24,
+};
+
+enum filter_kind { FILTER_BOX, FILTER_TENT };
+
+struct scene_film {
+    uint32_t width_px, height_px; /* >= 1; the whole frame */
+    /* The part that is rendered, in pixels of the whole frame, half-open. Default: all. */
+    uint32_t crop_x_begin, crop_y_begin, crop_x_end, crop_y_end;
+    enum filter_kind filter;
+    float filter_radius_px; /* half width: box .5 is one pixel, tent 1 reaches the neighbours */
+};
+
+struct scene_camera {       /* perspective, pinhole */
+    struct xform to_world;  /* rigid: columns right, up, back (-view), position */
+    float fov_y_rad;        /* full vertical opening angle of the whole frame, (0, pi) */
+};
+
+enum material_kind { MATERIAL_DIFFUSE, MATERIAL_MIRROR, MATERIAL_DIELECTRIC, MATERIAL_CONDUCTOR };
+
+struct material {
+    const char *name;
+    enum material_kind kind;
+    union {
+        struct {
+            rgb albedo; /* [0, 1] */
+        } diffuse;
+        struct {
+            rgb reflectance; /* [0, 1] */
+        } mirror;
+        struct {
+            float ior; /* inside / outside, [1, 4]; inside is where the normal does not point */
+        } dielectric;
+        struct {
+            rgb eta, k;  /* complex index of refraction per channel, eta > 0, k >= 0 */
+            float alpha; /* GGX width, [0, 1]; 0 is a perfect mirror with conductor Fresnel */
+        } conductor;
+    };
+};
+
+enum mesh_format { MESH_INLINE, MESH_PLY, MESH_OBJ };
+
+struct mesh {
+    enum mesh_format format;
+    /* MESH_PLY, MESH_OBJ: where the bytes are. A document on disk may name a file
+     * (relative to the document); what is sent to a coordinator names an asset. */
+    char asset[HASH_HEX]; /* SHA-256 of the bytes; "" when `file` is used */
+    const char *file;     /* NULL when `asset` is used */
+    /* Filled by scene_parse for MESH_INLINE, else by mesh_read. In object space. */
+    const float *vertices;   /* [vertex_count][3] */
+    const uint32_t *indices; /* [triangle_count][3], each < vertex_count; counter-clockwise is front */
+    uint32_t vertex_count, triangle_count;
+};
+
+enum shape_kind { SHAPE_SPHERE, SHAPE_DISC, SHAPE_QUAD, SHAPE_MESH };
+
+struct shape {
+    enum shape_kind kind;
+    uint32_t material;     /* index into scene.materials */
+    rgb emission;          /* radiance leaving the front side; 0: not a light. Front: outside of a
+                            * sphere, else the side the normal points to */
+    struct xform to_world; /* a sphere's is a similarity (checked) */
+    union {
+        struct {
+            float center[3], radius; /* radius > 0 */
+        } sphere;
+        struct {
+            float center[3], normal[3], radius; /* normal: unit */
+        } disc;
+        struct {
+            float vertices[4][3]; /* planar, convex, counter-clockwise seen from the front */
+        } quad;
+        struct {
+            uint32_t mesh; /* index into scene.meshes */
+        } mesh;
+    };
+};
+
+enum light_kind { LIGHT_SKY, LIGHT_POINT, LIGHT_DISTANT };
+
+struct light {
+    enum light_kind kind;
+    union {
+        struct {
+            rgb radiance; /* the same from every direction; several skies add up */
+        } sky;
+        struct {
+            float position[3];
+            rgb intensity; /* W/sr */
+        } point;
+        struct {
+            float direction[3]; /* unit, the way the light travels */
+            rgb irradiance;     /* W/m^2 on a surface that faces it */
+        } distant;
+    };
+};
+
+enum integrator_kind { INTEGRATOR_PATH };
+
+struct scene_target {  /* the first one reached ends the job; at least one is set */
+    double error;      /* relative error of the image (estimate.h), 0: not set */
+    uint32_t spp;      /* samples per pixel; never 0: defaults to SCENE_MAX_SPP beside another
+                        * target, to 64 when no target is given */
+    double seconds;    /* of wall time from the first lease, 0: not set */
+};
+
+struct scene_settings {
+    enum integrator_kind integrator;
+    uint32_t max_bounces; /* scattering events per path; 0 shows emission alone. Default 64 */
+    uint64_t seed;        /* default 0; [0, 2^53] so that JSON carries it exactly */
+    struct scene_target target;
+};
+
+struct scene {
+    const char *title; /* "" when absent */
+    struct scene_film film;
+    struct scene_camera camera;
+    struct scene_settings settings;
+    struct material *materials;
+    struct shape *shapes;
+    struct mesh *meshes;
+    struct light *lights;
+    uint32_t material_count, shape_count, mesh_count, light_count;
+};
+
+/* What is wrong with a document: all of it at once, in document order. */
+struct scene_error {
+    enum err_code code; /* ERR_INPUT or ERR_LIMIT */
+    const char *where;  /* JSON pointer (RFC 6901), or "line 3, column 7" for a syntax error */
+    const char *what;   /* found and allowed: "expected a number in (0, 180), got 200" */
+};
+
+struct scene_errors {
+    struct scene_error *list; /* in the arena; at most 100, the last then says how many more */
+    size_t count;
+};
+
+enum scene_source {
+    SCENE_FROM_DISK, /* meshes may name files */
+    SCENE_FROM_NET,  /* meshes name assets only */
+};
+
+/* Text (need not be NUL-terminated) to a checked scene. False: `errors` is not empty
+ * and `scene` must not be used. Pure: no file is opened. */
+bool scene_parse(struct scene *scene, const char *json, size_t bytes, enum scene_source source,
+                 struct arena *arena, struct scene_errors *errors) MUST_CHECK;
+
+/* The same document with every mesh `file` replaced by its `asset` and `format`, as a coordinator
+ * takes it. asset_hex[i] belongs to the i-th mesh of the scene that scene_parse made of the same
+ * bytes; inline meshes' entries are ignored. Returns JSON text in the arena. */
+const char *scene_name_assets(const char *json, size_t bytes,
+                              const char (*asset_hex)[HASH_HEX], struct arena *arena);
+
+#endif

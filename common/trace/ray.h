@@ -1,0 +1,20 @@
+/* ray.h - a ray and what it hits.
+ * SPDX-License-Identifier: MIT */
+#ifndef COMMON_TRACE_RAY_H
+#define COMMON_TRACE_RAY_H
+
+#include "common/vec.h"
+
+struct ray {
+    vec3 origin;
+    vec3 dir;    /* need not be unit: t counts lengths of dir */
+    float t_max; /* hits have 0 < t < t_max; may be +infinity */
+};
+
+struct ray_hit {
+    float t;
+    uint32_t prim; /* global primitive number (stage.h) */
+    float u, v;    /* triangle: barycentric weights of vertices 1 and 2; else unused */
+};
+
+#endif

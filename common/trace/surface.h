@@ -1,0 +1,39 @@
+/* surface.h - a hit -> the surface point, with bounds on its rounding error, and rays that
+ * leave it without meeting it again.
+ *
+ * No epsilon: every point carries a bound on the absolute error of its coordinates, derived
+ * from the arithmetic that made it (M. Pharr, W. Jakob, G. Humphreys, "Physically Based
+ * Rendering", 4th ed., section 6.8). A new ray starts just outside that box, on the side of the
+ * geometric normal it leaves to.
+ * SPDX-License-Identifier: MIT */
+#ifndef COMMON_TRACE_SURFACE_H
+#define COMMON_TRACE_SURFACE_H
+
+#include "common/trace/ray.h"
+#include "common/trace/stage.h"
+
+struct surface {
+    vec3 p;         /* on the primitive */
+    vec3 p_error;   /* |true - p| <= p_error, per coordinate */
+    vec3 ng;        /* unit geometric normal of the front side (not flipped to the viewer) */
+    uint32_t prim;
+    uint32_t material;
+    uint32_t emitter; /* or STAGE_NONE */
+};
+
+struct surface surface_at(const struct stage *, const struct ray *, const struct ray_hit *);
+
+/* A point chosen on a primitive by light sampling, with the same guarantees. */
+struct surface surface_on_triangle(const struct stage *, uint32_t prim, float u, float v);
+struct surface surface_on_sphere(const struct stage *, uint32_t prim, vec3 outward_unit);
+struct surface surface_on_disc(const struct stage *, uint32_t prim, vec3 p);
+
+/* The ray from s along dir, t_max infinite. */
+struct ray surface_leave(const struct surface *s, vec3 dir);
+
+/* Segments for any-hit tests, dir not unit, t_max 1: they end just before `to`, so that the
+ * surface `to` lies on does not shadow itself, and neither does a neighbour in its plane. */
+struct ray surface_to_surface(const struct surface *from, const struct surface *to);
+struct ray surface_to_point(const struct surface *from, vec3 to);
+
+#endif
