@@ -2,12 +2,13 @@
  * SPDX-License-Identifier: MIT */
 #include "common/scene_doc.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { SHOWN_BYTES = 48, KEY_BYTES = 200 }; /* of a value, of a key, in a message */
+enum { SHOWN_BYTES = 48, KEY_BYTES = 200 }; /* of a string, of a key, in a message */
 
 struct text { /* appends what fits */
     char *at, *end;
@@ -53,9 +54,11 @@ static void put_quoted(struct text *t, const char *s, size_t max_bytes, bool poi
     }
 }
 
-/* The shortest of the usual precisions that reads back as the same number. */
+/* Whole numbers in full, others in the shortest of the usual precisions that reads back the same. */
 static size_t number_print(char *out, size_t size, double v)
 {
+    if (v == floor(v) && fabs(v) < 1e15)
+        return (size_t)snprintf(out, size, "%.0f", v);
     for (int digits = 6;; digits += digits < 15 ? 9 : 2) {
         const int n = snprintf(out, size, "%.*g", digits, v);
         if (digits >= 17 || strtod(out, NULL) == v)
@@ -63,9 +66,17 @@ static size_t number_print(char *out, size_t size, double v)
     }
 }
 
+void scene_doc_quote(const char *s, char out[SCENE_QUOTE_BYTES])
+{
+    struct text t = {out, out + SCENE_QUOTE_BYTES};
+    put(&t, "\"", 1);
+    put_quoted(&t, s, SHOWN_BYTES, false);
+    put(&t, "\"", 1);
+}
+
 static void put_value(struct text *t, const struct scene_at *at)
 {
-    char s[64];
+    char s[64], quoted[SCENE_QUOTE_BYTES];
     switch (scene_at_type(at)) {
     case SCENE_NULL:
         put(t, "null", 4);
@@ -77,9 +88,8 @@ static void put_value(struct text *t, const struct scene_at *at)
         put(t, s, number_print(s, sizeof s, scene_at_number(at)));
         return;
     case SCENE_STRING:
-        put(t, "\"", 1);
-        put_quoted(t, scene_at_string(at), SHOWN_BYTES, false);
-        put(t, "\"", 1);
+        scene_doc_quote(scene_at_string(at), quoted);
+        put(t, quoted, strlen(quoted));
         return;
     case SCENE_ARRAY:
         put(t, s, (size_t)snprintf(s, sizeof s, "an array of %zu", scene_at_count(at)));
@@ -172,7 +182,7 @@ bool scene_doc_fault(struct scene_doc *doc, const struct scene_at *at, enum err_
 bool scene_doc_expected(struct scene_doc *doc, const struct scene_at *at, enum err_code code,
                         const char *expected)
 {
-    char got[256];
+    char got[SCENE_QUOTE_BYTES];
     struct text t = {got, got + sizeof got};
     put_value(&t, at);
     return scene_doc_fault(doc, at, code, "expected %s, got %s", expected, got);

@@ -60,6 +60,9 @@ bool scene_doc_fault(struct scene_doc *, const struct scene_at *, enum err_code,
 /* "expected EXPECTED, got (the value, cut when long)"; always returns false. */
 bool scene_doc_expected(struct scene_doc *, const struct scene_at *, enum err_code,
                         const char *expected);
+/* A string of the document for a message: in quotes, cut when long, harmless on a terminal. */
+enum { SCENE_QUOTE_BYTES = 320 };
+void scene_doc_quote(const char *, char out[SCENE_QUOTE_BYTES]);
 /* Sorted faults to the caller's list; the last of too many says how many there are besides. */
 void scene_doc_report(const struct scene_doc *, struct scene_errors *);
 

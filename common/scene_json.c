@@ -186,6 +186,10 @@ bool scene_parse(struct scene *scene, const char *json, size_t bytes, enum scene
                           arena_printf(arena, "nested deeper than %d levels", SCENE_MAX_DEPTH),
                           arena);
 
+    if (bytes >= 3 && !memcmp(json, "\xef\xbb\xbf", 3))
+        return text_error(errors, ERR_INPUT, "line 1, column 1",
+                          "not JSON: the text begins with a byte order mark", arena);
+
     /* Whole numbers as reals: those beyond 2^63 then get an error with their place, too. */
     json_error_t e;
     json_t *root = json_loadb(json, bytes, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &e);

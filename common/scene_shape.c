@@ -116,6 +116,18 @@ bool scene_read_transform(struct scene_doc *doc, const struct scene_at *at, stru
 /* What every shape has, beside its own keys. */
 #define COMMON_KEYS {"type", true}, {"material", true}, {"emission", false}, {"transform", false}
 
+/* Where a shape would end up is its transform's fault: its own values have been in range. */
+static bool place_check(struct scene_doc *doc, const struct scene_at *shape, const char *what,
+                        const struct scene_xform *x, const double center[3], double radius)
+{
+    struct err err;
+    struct scene_at transform;
+    if (scene_check_similarity(x, what, &err) && scene_check_world(x, center, radius, &err))
+        return true;
+    const bool has = scene_at_member(shape, "transform", &transform);
+    return scene_doc_fault(doc, has ? &transform : shape, err.code, "%s", err.text);
+}
+
 static bool read_sphere(struct scene_doc *doc, const struct scene_at *at, struct shape *s,
                         const struct scene_xform *x)
 {
@@ -129,10 +141,7 @@ static bool read_sphere(struct scene_doc *doc, const struct scene_at *at, struct
     for (int i = 0; i < 3; i++)
         s->sphere.center[i] = (float)center[i];
     s->sphere.radius = (float)radius;
-    struct err err;
-    return (scene_check_similarity(x, "a sphere", &err) &&
-            scene_check_world(x, center, radius, &err)) ||
-           scene_doc_fault(doc, at, err.code, "%s", err.text);
+    return place_check(doc, at, "a sphere", x, center, radius);
 }
 
 static bool read_disc(struct scene_doc *doc, const struct scene_at *at, struct shape *s,
@@ -157,11 +166,7 @@ static bool read_disc(struct scene_doc *doc, const struct scene_at *at, struct s
         s->disc.normal[i] = (float)(normal[i] / length);
     }
     s->disc.radius = (float)radius;
-    struct err err;
-    return !x ||
-           (scene_check_similarity(x, "a disc", &err) &&
-            scene_check_world(x, center, radius, &err)) ||
-           scene_doc_fault(doc, at, err.code, "%s", err.text);
+    return !x || place_check(doc, at, "a disc", x, center, radius);
 }
 
 static bool read_quad(struct scene_doc *doc, const struct scene_at *at, struct shape *s,
@@ -211,16 +216,28 @@ static void check_mesh_world(struct scene_doc *doc, const struct scene_at *at,
 static void unknown_material(struct scene_doc *doc, const struct scene_at *at,
                              const struct scene_names *names)
 {
-    const char *some[200]; /* a scan of more would let a hostile document cost minutes */
-    const size_t count = names->count < countof(some) ? names->count : countof(some);
+    enum { SCANNED = 200, LISTED = 8 }; /* to scan all could cost a hostile document minutes */
+    const char *some[SCANNED];
+    const size_t count = names->count < SCANNED ? names->count : SCANNED;
     for (size_t i = 0; i < count; i++)
         some[i] = names->sorted[i].name;
+    char got[SCENE_QUOTE_BYTES], known[SCENE_QUOTE_BYTES];
     const char *meant = scene_suggest(scene_at_string(at), some, count);
-    char expected[256];
-    snprintf(expected, sizeof expected, "the name of one of the %u materials%s%.128s%s",
-             names->count, meant ? " (did you mean \"" : "", meant ? meant : "",
-             meant ? "\"?)" : "");
-    scene_doc_expected(doc, at, ERR_INPUT, expected);
+    scene_doc_quote(scene_at_string(at), got);
+    if (meant) {
+        scene_doc_quote(meant, known);
+        scene_doc_fault(doc, at, ERR_INPUT, "no material is named %s, did you mean %s?", got,
+                        known);
+        return;
+    }
+    char list[LISTED * SCENE_QUOTE_BYTES] = "";
+    size_t n = 0;
+    for (size_t i = 0; i < count && i < LISTED; i++) {
+        scene_doc_quote(some[i], known);
+        n += (size_t)snprintf(list + n, sizeof list - n, "%s%s", i ? ", " : "", known);
+    }
+    scene_doc_fault(doc, at, ERR_INPUT, "no material is named %s, the document has %s%s", got,
+                    count ? list : "none", names->count > LISTED ? " ..." : "");
 }
 
 static void read_material_name(struct scene_doc *doc, const struct scene_at *at,

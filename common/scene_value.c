@@ -138,7 +138,7 @@ bool scene_doc_array(struct scene_doc *doc, const struct scene_at *at, const cha
         return scene_doc_expected(doc, at, ERR_INPUT, expected);
     }
     if (scene_at_count(at) < min_count) {
-        snprintf(expected, sizeof expected, "an array of at least %zu %s", min_count, of);
+        snprintf(expected, sizeof expected, "an array of %zu or more %s", min_count, of);
         return scene_doc_expected(doc, at, ERR_INPUT, expected);
     }
     if (scene_at_count(at) <= max_count)
