@@ -68,6 +68,13 @@ static rgb conductor_eval(const struct material *m, vec3 wo, vec3 wi)
     return f * microfacet_reflect(wo, wi, h, m->conductor.alpha);
 }
 
+/* From the directions, in sampling too, although h is known there: a narrow lobe magnifies the
+ * rounding of wi, and both sides of an MIS weight must see the same. */
+static float conductor_pdf_w(const struct material *m, vec3 wo, vec3 wi)
+{
+    return microfacet_reflect_pdf_w(wo, vec3_unit(wo + wi), m->conductor.alpha);
+}
+
 static bool conductor_sample(const struct material *m, vec3 wo, struct square q,
                              struct bsdf_sample *s)
 {
@@ -84,7 +91,7 @@ static bool conductor_sample(const struct material *m, vec3 wo, struct square q,
     s->wi = vec3_unit(2 * cos * h - wo);
     if (!(s->wi[2] > 0)) /* into the surface: the light would meet a second facet */
         return false;
-    s->pdf_w = microfacet_reflect_pdf_w(wo, h, alpha);
+    s->pdf_w = conductor_pdf_w(m, wo, s->wi);
     s->weight = f * microfacet_weight(wo, s->wi, alpha);
     if (below)
         s->wi = flip_z(s->wi);
@@ -139,7 +146,7 @@ float bsdf_pdf_w(const struct material *m, vec3 wo, vec3 wi)
     case MATERIAL_DIFFUSE:
         return warp_cosine_pdf_w(wi[2]);
     case MATERIAL_CONDUCTOR:
-        return microfacet_reflect_pdf_w(wo, vec3_unit(wo + wi), m->conductor.alpha);
+        return conductor_pdf_w(m, wo, wi);
     case MATERIAL_MIRROR:
     case MATERIAL_DIELECTRIC:
         break;

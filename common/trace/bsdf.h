@@ -15,9 +15,9 @@
 #include "common/trace/sobol.h"
 
 /* Below this GGX width a conductor is a perfect mirror. The lobe is then narrower than a tenth of a
- * degree, so the change cannot be seen (albedos differ by less than alpha^2); and the rounding
- * errors of a half vector, 2^-23, reach a ten-thousandth of the lobe, so that pdf would
- * no longer agree with sample to the 1e-4 that MIS needs. */
+ * degree and the change cannot be seen (albedos move by less than 1e-3); and rounding moves a half
+ * vector by 2^-23, a ten-thousandth of the lobe: further down, the density at which float
+ * directions are sampled would visibly part from pdf. */
 #define BSDF_LEAST_ALPHA 0x1p-10f
 
 struct bsdf_sample {
