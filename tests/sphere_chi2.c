@@ -8,7 +8,7 @@
 #include "tests/dice.h"
 #include "tests/stat.h"
 
-enum { ROWS = 51, COLUMNS = 102, CELLS = ROWS * COLUMNS };
+enum { ROWS = 51, COLUMNS = 102, CELLS = ROWS * COLUMNS, MAX_DEPTH = 8 };
 
 static const double pi = 3.14159265358979323846;
 
@@ -38,12 +38,12 @@ static double integrate(const struct sphere_chi2 *t, double z, double dz, double
     double part[4], sum = 0;
     for (int i = 0; i < 4; i++)
         sum += part[i] = gauss(t, z + (i & 1 ? hz : 0), hz, phi + (i & 2 ? hp : 0), hp);
-    if (depth == 0 || fabs(sum - whole) < 1e-8 + 1e-6 * sum)
+    if (depth == MAX_DEPTH || (depth >= t->min_depth && fabs(sum - whole) < 1e-8 + 1e-6 * sum))
         return sum;
     sum = 0;
     for (int i = 0; i < 4; i++)
         sum += integrate(t, z + (i & 1 ? hz : 0), hz, phi + (i & 2 ? hp : 0), hp, part[i],
-                         depth - 1);
+                         depth + 1);
     return sum;
 }
 
@@ -84,7 +84,9 @@ struct sphere_chi2_result sphere_chi2_run(const struct sphere_chi2 *t, uint32_t 
         const double z = -1 + 2.0 * (i / COLUMNS) / ROWS, dz = 2.0 / ROWS;
         const double phi = 2 * pi * (i % COLUMNS) / COLUMNS, dphi = 2 * pi / COLUMNS;
         const double whole = gauss(t, z, dz, phi, dphi);
-        const double in_cell = integrate(t, z, dz, phi, dphi, whole, 8);
+        if (whole == 0 && observed[i] == 0)
+            continue;
+        const double in_cell = integrate(t, z, dz, phi, dphi, whole, 0);
         mass += in_cell;
         expected[i] = in_cell * samples;
     }

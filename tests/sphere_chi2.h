@@ -15,6 +15,7 @@ struct sphere_chi2 {
     bool (*sample)(const void *what, struct square, vec3 *w, float *pdf_w);
     float (*pdf_w)(const void *what, vec3 w);
     const void *what;
+    int min_depth; /* cells are halved at least so often: 0 for a smooth pdf, more for one with edges */
 };
 
 struct sphere_chi2_result {

@@ -165,7 +165,7 @@ static void triangle_lights(void)
         for (int i = 0; i < 5; i++)
             e += add_triangle(&s, black, 1.2 * i, same ? 1 : pow(4, i), &dice);
         if (same)
-            judge(naive_mean(scenes_stage(&s), 6000000 / STAT_SLOW), e / pi,
+            judge(naive_mean(scenes_stage(&s), 14000000 / STAT_SLOW), e / pi,
                   "A-02 five triangles, directions sampled");
         is_true(&s, 8192, e / pi,
                 same ? "A-02 five triangles" : "A-02 five triangles of radiance 1 to 256");
