@@ -6,8 +6,8 @@
         print(farm.wait_job(job, "done", 60)["image"]["digest"])
 
 Every process is stopped when the block ends, however it ends, and a test that failed shows the last
-lines of their logs. Nothing sleeps for a fixed time: wait_for polls a condition up to a limit.
-BIN names the folder of the programs (default build/bin).
+lines of their logs. Nothing sleeps for a fixed time: wait_for polls a condition up to a limit, and the
+limits stretch for the slower builds. BIN names the folder of the programs (default build/bin).
 """
 import json
 import os
@@ -23,6 +23,13 @@ import urllib.request
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BIN = pathlib.Path(os.environ.get("BIN", ROOT / "build" / "bin")).resolve()
+SLOWER = next((times for mode, times in (("tsan", 12), ("asan", 6), ("debug", 6), ("coverage", 6))
+               if any(part.split("-")[0] == mode for part in BIN.parts)), 1)
+
+# Loopback is never reached through a proxy, whatever the environment says.
+OPENER = urllib.request.build_opener(urllib.request.ProxyHandler({}))
+
+signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # a test that is told to end stops its farm, too
 
 
 class Tap:
@@ -96,7 +103,7 @@ class Farm:
         self.port = 0
         self.coordinator = None
         self.workers = []
-        self.started = 0
+        self.processes = []  # all that were ever started
 
     # Life
 
@@ -109,10 +116,9 @@ class Farm:
         return self
 
     def __exit__(self, kind, value, trace):
-        for process in [*self.workers, self.coordinator]:
-            if process and process.poll() is None:
-                process.send_signal(signal.SIGCONT)
-                process.kill()
+        for process in self.processes:
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGKILL)
                 process.wait()
         if kind is not None and not issubclass(kind, SystemExit):
             self.show_logs()
@@ -124,10 +130,16 @@ class Farm:
             for line in log.read_text(errors="replace").splitlines()[-30:]:
                 print(f"# {log.name}: {line}", flush=True)
 
-    def spawn(self, name, *argv):
-        self.started += 1
-        with open(self.folder / f"{self.started:03}-{name}.log", "wb") as log:
-            return subprocess.Popen([str(a) for a in argv], stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+    def spawn(self, name, *argv, env=None):
+        """Any program that should be stopped, with its children, when the block ends. In a session of its own:
+        Ctrl-C reaches the test alone, which then stops them."""
+        path = self.folder / f"{len(self.processes) + 1:03}-{name}.log"
+        with open(path, "wb") as log:
+            process = subprocess.Popen([str(a) for a in argv], stdin=subprocess.DEVNULL, stdout=log, stderr=log,
+                                       env=env, start_new_session=True)
+        process.log = path
+        self.processes.append(process)
+        return process
 
     def start_coordinator(self):
         """Starts it, on the same port and state as before when it ran before."""
@@ -170,7 +182,7 @@ class Farm:
     def terminate(process, limit):
         """SIGTERM; its exit status."""
         process.terminate()
-        return process.wait(timeout=limit)
+        return process.wait(timeout=limit * SLOWER)
 
     # HTTP
 
@@ -182,7 +194,7 @@ class Farm:
         elif body is not None:
             request.add_header("Content-Type", "application/json")
         try:
-            with urllib.request.urlopen(request, timeout=60) as reply:
+            with OPENER.open(request, timeout=60) as reply:
                 return reply.status, self.decode(reply)
         except urllib.error.HTTPError as error:
             with error:
@@ -252,6 +264,7 @@ class Farm:
 
     @staticmethod
     def wait_for(condition, limit, what, explain=lambda: ""):
+        limit *= SLOWER
         end = time.monotonic() + limit
         while not condition():
             if time.monotonic() > end:
