@@ -13,9 +13,7 @@ bool mesh_build_vertex(struct mesh_build *b, const double p[3], struct err *err)
     float v[3];
     for (int k = 0; k < 3; k++) {
         if (!(p[k] >= -SCENE_MAX_ABS && p[k] <= SCENE_MAX_ABS)) /* refuses a NaN, too */
-            return err_set(err, ERR_INPUT,
-                           "vertex %zu: expected coordinates in [-1e18, 1e18], got %g",
-                           mesh_build_vertices(b), p[k]);
+            return err_set(err, ERR_INPUT, "expected coordinates in [-1e18, 1e18], got %g", p[k]);
         v[k] = (float)p[k];
     }
     if (mesh_build_vertices(b) >= (size_t)3 * SCENE_MAX_TRIANGLES)

@@ -38,7 +38,8 @@ static bool vertex_read(struct mesh_build *b, struct mesh_span line, struct err 
             return err_set(err, ERR_INPUT, "expected a number, got %s",
                            mesh_span_print(token, shown));
     }
-    return mesh_build_vertex(b, p, err); /* a weight or a color may follow */
+    /* A weight or a color may follow. */
+    return mesh_build_vertex(b, p, err) || err_at(err, "vertex %zu", mesh_build_vertices(b) + 1);
 }
 
 /* "7", "7/1", "7//3", "7/1/3", any of them negative: counted back from the last vertex. */

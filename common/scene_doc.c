@@ -169,7 +169,7 @@ bool scene_doc_fault(struct scene_doc *doc, const struct scene_at *at, enum err_
     struct scene_fault *f = fault_place(doc, at);
     if (!f)
         return false;
-    char what[1024];
+    char what[4096];
     va_list ap;
     va_start(ap, fmt);
     vsnprintf(what, sizeof what, fmt, ap);

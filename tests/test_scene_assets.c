@@ -1,0 +1,69 @@
+/* scene_assets.c: a document for sending differs from the one on disk in its mesh names alone.
+ * SPDX-License-Identifier: MIT */
+#include "common/scene.h"
+
+#include <string.h>
+
+#include "tests/tap.h"
+
+static struct arena arena;
+
+#define A "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa"
+#define B "bbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbb"
+#define C "cccccccccccccccccccccccccccccccccccccccccccccccccccccccccccccccc"
+
+static const char hex[][HASH_HEX] = {A, B, C};
+
+#define HEAD                                                                                       \
+    "{\"smalti\": 1, \"film\" : {\"width\": 64.0, \"height\": 4.8E1},\n \"camera\": {\"type\": "   \
+    "\"perspective\", \"fov_deg\": 40.10, \"look_at\": {\"from\": [0.1, -0, 3], \"to\": [0,0,0]}}" \
+    ",\t\"materials\": {\"file\": {\"type\": \"diffuse\", \"albedo\": 0.30000000000000004}}, "     \
+    "\"title\": \"\\\"shapes\\\": [{\\\\\", \"shapes\""
+
+static bool named(const char *json, const char *want)
+{
+    struct scene s;
+    struct scene_errors e;
+    if (!scene_parse(&s, json, strlen(json), SCENE_FROM_DISK, &arena, &e)) {
+        diag("%s: %s", e.list[0].where, e.list[0].what);
+        return false;
+    }
+    const char *got = scene_name_assets(json, strlen(json), hex, &arena);
+    if (strcmp(got, want))
+        diag("got %s", got);
+    return !strcmp(got, want) &&
+           scene_parse(&s, got, strlen(got), SCENE_FROM_NET, &arena, &e);
+}
+
+int main(void)
+{
+    ok(named(HEAD ": []}", HEAD ": []}"), "without files the text stays as it is");
+    ok(named(HEAD ": [{\"type\": \"mesh\", \"file\": \"m.ply\", \"material\": \"file\"}]}\n",
+             HEAD ": [{\"type\": \"mesh\", \"asset\": \"" A "\", \"format\": \"ply\", "
+                  "\"material\": \"file\"}]}\n"),
+       "a file gives way to its asset");
+    ok(named(HEAD ":[{\"material\":\"file\",\"file\":\"x \\\"}],.ObJ\",\"type\":\"mesh\"}]}",
+             HEAD ":[{\"material\":\"file\",\"asset\": \"" A "\", \"format\": \"obj\","
+                  "\"type\":\"mesh\"}]}"),
+       "whatever its name looks like");
+    ok(named(HEAD ": [{\"t\\u0079pe\": \"m\\u0065sh\", \"material\": \"f\\u0069le\", \"f\\u0069le\" "
+                  ": \"\\u00e9\\\\\\ud83d\\ude00.\\u0050ly\"}]}",
+             HEAD ": [{\"t\\u0079pe\": \"m\\u0065sh\", \"material\": \"f\\u0069le\", \"asset\": \""
+                  A "\", \"format\": \"ply\"}]}"),
+       "and however it is escaped");
+#define INLINE                                                                                     \
+    "{\"type\": \"mesh\", \"material\": \"file\", \"vertices\": [[0,0,0],[1,0,0],[0,1,0.0]], "     \
+    "\"triangles\": [[0,1,2]]}"
+#define SPHERE                                                                                     \
+    "{\"type\": \"sphere\", \"material\": \"file\", \"center\": [0,0,0], \"radius\": 1e-1}"
+    ok(named(HEAD ": [" SPHERE ", " INLINE ", {\"type\": \"mesh\", \"material\": \"file\", "
+                  "\"file\": \"1.obj\"}, " SPHERE ", {\"type\": \"mesh\", \"file\": \"2.ply\", "
+                  "\"material\": \"file\"}], \"lights\": []}",
+             HEAD ": [" SPHERE ", " INLINE ", {\"type\": \"mesh\", \"material\": \"file\", "
+                  "\"asset\": \"" B "\", \"format\": \"obj\"}, " SPHERE ", {\"type\": \"mesh\", "
+                  "\"asset\": \"" C "\", \"format\": \"ply\", \"material\": \"file\"}], "
+                  "\"lights\": []}"),
+       "each mesh gets its own, those without a file none");
+    arena_release(&arena);
+    return tap_done();
+}
