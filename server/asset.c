@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "server/asset.h"
 
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include "common/arena.h"
 
@@ -104,13 +102,5 @@ int asset_fd(const char hex[HASH_HEX], uint64_t *bytes)
 {
     char path[DISK_PATH];
     path_of(hex, path);
-    const int fd = open(path, O_RDONLY | O_CLOEXEC);
-    struct stat st;
-    if (fd >= 0 && fstat(fd, &st) == 0) {
-        *bytes = (uint64_t)st.st_size;
-        return fd;
-    }
-    if (fd >= 0)
-        close(fd);
-    return -1;
+    return disk_open(path, bytes);
 }

@@ -13,9 +13,9 @@
 
 struct asset_spool {
     struct disk_file file;
-    struct hash *hash;   /* NULL once finished */
-    char hex[HASH_HEX];  /* of all bytes; valid once finished */
-    uint64_t bytes;      /* so far */
+    struct hash *hash;  /* NULL once finished */
+    char hex[HASH_HEX]; /* of all bytes; valid once finished */
+    uint64_t bytes;     /* so far */
 };
 
 bool asset_open_store(const char *state_dir, struct err *) MUST_CHECK; /* once, before the rest */

@@ -29,12 +29,12 @@ static void head_write(const struct checkpoint *c, struct buf *out)
     buf_u32(out, c->tile_count);
     buf_u64(out, row->id);
     buf_u64(out, c->generation);
-    const uint32_t shape[] = {w.x_begin, w.y_begin, w.x_end, w.y_end, row->tile_px,
-                              c->film.key_count};
+    const uint32_t shape[] = {w.x_begin, w.y_begin,    w.x_end,
+                              w.y_end,   row->tile_px, c->film.key_count};
     for (size_t i = 0; i < countof(shape); i++)
         buf_u32(out, shape[i]);
-    const uint64_t counters[] = {row->samples, row->passes_done, row->cpu_us,
-                                 c->film.invalid_count, (uint64_t)row->elapsed_ms};
+    const uint64_t counters[] = {row->samples, row->passes_done, row->cpu_us, c->film.invalid_count,
+                                 (uint64_t)row->elapsed_ms};
     for (size_t i = 0; i < countof(counters); i++)
         buf_u64(out, counters[i]);
     for (uint32_t i = 0; i < c->film.key_count; i++) {

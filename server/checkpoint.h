@@ -1,8 +1,8 @@
 /* checkpoint.h - a film on disk: what a crash cannot take back (STATE/jobs/ID/film).
  *
  * One file with everything that belongs together: the sums, which passes they are made of, and
- * the counters that went with them, closed by a SHA-256. It is written whole and renamed, so there is
- * always either the old film or the new one. All integers little-endian:
+ * the counters that went with them, closed by a SHA-256. It is written whole and renamed, so there
+ * is always either the old film or the new one. All integers little-endian:
  *
  *     "SMLTFILM" | u32 version 1 | u32 tile_count | u64 job | u64 generation
  *     u32 x_begin y_begin x_end y_end tile_px key_count

@@ -36,8 +36,8 @@ static bool read_number(const char *flag, const char *text, double least, double
     errno = 0;
     const double v = strtod(text, &end);
     if (end == text || *end || errno || !(v >= least && v <= most))
-        return err_set(err, ERR_INPUT, "--%s: expected a number from %g to %g, got '%s'", flag, least,
-                       most, text);
+        return err_set(err, ERR_INPUT, "--%s: expected a number from %g to %g, got '%s'", flag,
+                       least, most, text);
     *out = v;
     return true;
 }
@@ -78,7 +78,7 @@ static bool check_listen(const char *text, struct err *err)
 {
     struct in_addr four;
     struct in6_addr six;
-    const bool ok = inet_pton(AF_INET, text, &four) == 1 ? ntohl(four.s_addr) >> 24 == 127
+    const bool ok = inet_pton(AF_INET, text, &four) == 1   ? ntohl(four.s_addr) >> 24 == 127
                     : inet_pton(AF_INET6, text, &six) == 1 ? !memcmp(&six, &in6addr_loopback, 16)
                                                            : false;
     return ok || err_set(err, ERR_INPUT,

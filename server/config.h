@@ -7,10 +7,10 @@
 #include "common/log.h"
 
 struct config {
-    const char *listen;    /* a loopback address, IPv4 or IPv6 */
-    uint16_t port;         /* 0: any */
+    const char *listen; /* a loopback address, IPv4 or IPv6 */
+    uint16_t port;      /* 0: any */
     const char *state_dir;
-    const char *announce;  /* file that gets the address once we listen; NULL: none */
+    const char *announce; /* file that gets the address once we listen; NULL: none */
     uint32_t tile_px;
     int64_t lease_ttl_ms;
     int64_t checkpoint_ms; /* least time between two checkpoints of a film */

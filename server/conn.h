@@ -1,8 +1,8 @@
 /* conn.h - the open connections, and how long each may take over what it is doing.
  *
  * libmicrohttpd's timeout is one of inactivity: a client that sends a byte now and then would
- * hold its connection for ever (slow-loris). Here every phase has an allowance from its begin; a body
- * and a download earn time by their bytes. Any thread; conn_reap shuts overdue sockets down.
+ * hold its connection for ever (slow-loris). Here every phase has an allowance from its begin; a
+ * body and a download earn time by their bytes. Any thread; conn_reap shuts overdue sockets down.
  * SPDX-License-Identifier: MIT */
 #ifndef SERVER_CONN_H
 #define SERVER_CONN_H

@@ -60,8 +60,8 @@ bool disk_create(struct disk_file *f, const char *path, struct err *err)
 {
     const size_t dir = directory_length(path);
     const int n = snprintf(f->path, sizeof f->path, "%s", path);
-    const int m = snprintf(f->temporary, sizeof f->temporary, "%.*s%sXXXXXX", (int)dir, path,
-                           temporary_mark);
+    const int m =
+        snprintf(f->temporary, sizeof f->temporary, "%.*s%sXXXXXX", (int)dir, path, temporary_mark);
     if (n < 0 || m < 0 || (size_t)n >= sizeof f->path || (size_t)m >= sizeof f->temporary)
         return err_set(err, ERR_IO, "path of %zu characters is too long", strlen(path));
     f->fd = mkstemp(f->temporary);
@@ -146,6 +146,19 @@ void disk_abort(struct disk_file *f)
         close(f->fd);
     unlink(f->temporary);
     f->fd = -1;
+}
+
+int disk_open(const char *path, uint64_t *bytes)
+{
+    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    struct stat st;
+    if (fd >= 0 && fstat(fd, &st) == 0 && S_ISREG(st.st_mode)) {
+        *bytes = (uint64_t)st.st_size;
+        return fd;
+    }
+    if (fd >= 0)
+        close(fd);
+    return -1;
 }
 
 bool disk_lock(const char *path, struct err *err)

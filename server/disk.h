@@ -24,9 +24,11 @@ bool disk_create(struct disk_file *, const char *path, struct err *) MUST_CHECK;
 bool disk_write(struct disk_file *, const void *data, size_t bytes, struct err *) MUST_CHECK;
 bool disk_write_at(struct disk_file *, const void *data, size_t bytes, uint64_t offset,
                    struct err *) MUST_CHECK;
-bool disk_flush(struct disk_file *, struct err *) MUST_CHECK; /* the slow half of disk_commit */
+bool disk_flush(struct disk_file *, struct err *) MUST_CHECK;  /* the slow half of disk_commit */
 bool disk_commit(struct disk_file *, struct err *) MUST_CHECK; /* closes it in either case */
 void disk_abort(struct disk_file *);                           /* closes and forgets it */
+
+int disk_open(const char *path, uint64_t *bytes); /* a regular file for reading; -1: not there */
 
 /* Keeps a file locked until the process ends; ERR_CONFLICT when another process has it. */
 bool disk_lock(const char *path, struct err *) MUST_CHECK;

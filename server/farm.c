@@ -23,7 +23,8 @@ void farm_release(struct farm *f)
 
 bool farm_name_is_sane(const char *name)
 {
-    const size_t n = strspn(name, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-");
+    const size_t n =
+        strspn(name, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-");
     return n >= 1 && n < FARM_NAME && name[n] == '\0';
 }
 

@@ -16,12 +16,13 @@ struct worker {
     char name[FARM_NAME];
     uint32_t threads;
     enum worker_state state;
-    uint32_t leases;   /* held now */
-    uint32_t parked;   /* calls that wait for work */
+    uint32_t leases; /* held now */
+    uint32_t parked; /* calls that wait for work */
     uint64_t delivered;
-    uint64_t cpu_us;   /* of delivered passes */
-    int64_t seen_ms;   /* its last call */
-    uint32_t number;   /* never given to another worker; from 1 */
+    uint64_t cpu_us; /* of delivered passes */
+    int64_t seen_ms; /* its last call */
+    uint64_t mark;   /* scratch of whoever counts workers */
+    uint32_t number; /* never given to another worker; from 1 */
 };
 
 struct farm {

@@ -31,8 +31,7 @@ static bool check_framing(const struct head *h, const struct request *rq, struct
         problem_reply(rq, re, 400, "expected HTTP/1.1 or HTTP/1.0");
     else if (!h->target_is_sane)
         problem_reply(rq, re, 400, "malformed request target");
-    else if (h->length_count > 1 || h->transfer_count > 1 ||
-             (h->length_count && h->transfer_count))
+    else if (h->length_count > 1 || h->transfer_count > 1 || (h->length_count && h->transfer_count))
         problem_reply(rq, re, 400, "the length of the body is given more than once");
     else if (h->transfer_count && strcasecmp(h->transfer, "chunked") != 0)
         problem_reply(rq, re, 400, "Transfer-Encoding: expected chunked");

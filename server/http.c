@@ -27,7 +27,7 @@ enum {
     INACTIVITY_S = 90,
     MAX_QUERY = 16,
     MAX_DROPPED = 16 * 1024 * 1024, /* of a body that is refused already; then we hang up */
-    LINGER_MS = 500, /* for answers to leave at the end */
+    LINGER_MS = 500,                /* for answers to leave at the end */
 };
 
 static const uint64_t max_bodies_bytes = (uint64_t)512 << 20; /* in memory, all requests together */
@@ -179,8 +179,7 @@ static void add_headers(struct MHD_Response *r, const struct reply *re)
         {MHD_HTTP_HEADER_LOCATION, re->location},
         {MHD_HTTP_HEADER_ALLOW, re->allow},
         {MHD_HTTP_HEADER_RETRY_AFTER, re->retry_after_s ? seconds : NULL},
-        {MHD_HTTP_HEADER_CACHE_CONTROL,
-         re->immutable ? "max-age=31536000, immutable" : "no-cache"},
+        {MHD_HTTP_HEADER_CACHE_CONTROL, re->immutable ? "max-age=31536000, immutable" : "no-cache"},
         {"X-Content-Type-Options", "nosniff"},
         {"Referrer-Policy", "no-referrer"},
         {"Cross-Origin-Resource-Policy", "same-origin"},
@@ -201,8 +200,7 @@ static enum MHD_Result send_reply(struct exchange *x)
     add_headers(r, &x->reply);
     enter(x, CONN_DOWNLOAD, bytes);
     x->step = STEP_SENT;
-    const enum MHD_Result sent =
-        MHD_queue_response(x->connection, (unsigned)x->reply.status, r);
+    const enum MHD_Result sent = MHD_queue_response(x->connection, (unsigned)x->reply.status, r);
     MHD_destroy_response(r);
     return sent;
 }
@@ -218,8 +216,7 @@ static enum MHD_Result first_call(struct exchange *x, const char *url, const cha
     rq->query = arena_new(rq->arena, struct request_field, MAX_QUERY);
     MHD_get_connection_values(x->connection, MHD_HEADER_KIND, keep_header, &head);
     MHD_get_connection_values(x->connection, MHD_GET_ARGUMENT_KIND, keep_query, rq);
-    rq->if_none_match =
-        head.if_none_match ? arena_strdup(rq->arena, head.if_none_match) : NULL;
+    rq->if_none_match = head.if_none_match ? arena_strdup(rq->arena, head.if_none_match) : NULL;
     x->step = STEP_BODY;
     const struct http_setup *s = &x->http->setup;
     if (!head_check(&head, s->routes, s->route_count, rq, &x->reply))

@@ -52,13 +52,17 @@ static exr_result_t compress_safely(exr_encode_pipeline_t *e)
 
 static exr_result_t add_facts(exr_context_t f, const struct image_facts *x)
 {
-    static const exr_attr_chromaticities_t rec709 = {.64f, .33f, .3f, .6f, .15f, .06f, .3127f, .329f};
+    static const exr_attr_chromaticities_t rec709 = {.64f, .33f, .3f,    .6f,
+                                                     .15f, .06f, .3127f, .329f};
     const struct {
         const char *name, *value;
     } texts[] = {
-        {"software", "smalti " SMALTI_VERSION}, {"smalti.version", SMALTI_VERSION},
-        {"smalti.job", x->job},                 {"smalti.document", x->document},
-        {"smalti.target", x->target},           {"smalti.digest", x->digest},
+        {"software", "smalti " SMALTI_VERSION},
+        {"smalti.version", SMALTI_VERSION},
+        {"smalti.job", x->job},
+        {"smalti.document", x->document},
+        {"smalti.target", x->target},
+        {"smalti.digest", x->digest},
     };
     exr_result_t r = exr_attr_set_chromaticities(f, 0, "chromaticities", &rec709);
     for (size_t i = 0; !r && i < countof(texts); i++)
@@ -98,7 +102,7 @@ static exr_result_t write_header(exr_context_t f, const struct image *image,
     for (size_t c = 0; !r && c < image->channel_count; c++)
         r = exr_add_channel(f, part, image->channels[c].name,
                             image->channels[c].type == IMAGE_UINT32 ? EXR_PIXEL_UINT
-                                                                     : EXR_PIXEL_FLOAT,
+                                                                    : EXR_PIXEL_FLOAT,
                             EXR_PERCEPTUALLY_LINEAR, 1, 1);
     if (!r)
         r = exr_set_version(f, part, 1);

@@ -17,7 +17,7 @@ static unsigned char srgb8(float linear)
     if (linear >= 1)
         return 255;
     const double v = linear <= 0.0031308f ? 12.92 * (double)linear
-                                           : 1.055 * pow((double)linear, 1 / 2.4) - 0.055;
+                                          : 1.055 * pow((double)linear, 1 / 2.4) - 0.055;
     return (unsigned char)(v * 255 + 0.5);
 }
 

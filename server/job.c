@@ -227,6 +227,20 @@ bool job_pass_expired(struct job *j, uint32_t tile, uint32_t pass)
     return give_up(j, tile, pass);
 }
 
+/* The reason was cut to fit: not in the middle of a character (UTF-8, RFC 3629). */
+static void trim(char *text)
+{
+    size_t n = strlen(text), tail = 0;
+    while (tail < n && tail < 3 && ((unsigned char)text[n - 1 - tail] & 0xc0) == 0x80)
+        tail++;
+    if (tail == n)
+        return;
+    const unsigned char lead = (unsigned char)text[n - 1 - tail];
+    const size_t want = lead >= 0xf0 ? 3 : lead >= 0xe0 ? 2 : lead >= 0xc0 ? 1 : 0;
+    if (tail < want)
+        text[n - 1 - tail] = '\0';
+}
+
 bool job_pass_failed(struct job *j, uint32_t tile, uint32_t pass, uint32_t worker,
                      const char *reason, int64_t now_ms)
 {
@@ -241,6 +255,7 @@ bool job_pass_failed(struct job *j, uint32_t tile, uint32_t pass, uint32_t worke
     if (t->worker_count == JOB_MAX_WORKERS || t->failures == JOB_MAX_FAILURES) {
         snprintf(j->row.failure.reason, STORE_REASON, "failed %u times on %u workers, last: %s",
                  t->failures, t->worker_count, reason);
+        trim(j->row.failure.reason);
         return give_up(j, tile, pass);
     }
     t->shun_until_ms = now_ms + JOB_SHUN_MS;
@@ -252,4 +267,5 @@ void job_fail_reason(struct job *j, const char *reason)
 {
     j->row.failure = (struct store_failure){0};
     snprintf(j->row.failure.reason, STORE_REASON, "%s", reason);
+    trim(j->row.failure.reason);
 }

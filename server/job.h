@@ -1,7 +1,8 @@
-/* job.h - a job while the coordinator knows it: its row, and, once it is open, its film and what has
- * become of each pass of each tile.
+/* job.h - a job while the coordinator knows it: its row, and, once it is open, its film and what
+ * has become of each pass of each tile.
  *
- * Passes of a tile are merged in order. Around the next one a window of JOB_LOOKAHEAD passes is open:
+ * Passes of a tile are merged in order. Around the next one a window of JOB_LOOKAHEAD passes is
+ * open:
  *
  *     READY --granted--> LEASED --delivered--> (merged, or HELD until its turn)
  *       ^                  |  |
@@ -42,7 +43,7 @@ struct job_slot {
 };
 
 struct job_tile {
-    uint32_t merged; /* passes [0, merged) are in the film */
+    uint32_t merged;                      /* passes [0, merged) are in the film */
     struct job_slot slots[JOB_LOOKAHEAD]; /* pass p, merged <= p < merged + JOB_LOOKAHEAD, is at
                                            * p % JOB_LOOKAHEAD */
 };
@@ -59,28 +60,32 @@ struct job {
     struct tile_grid grid;
     uint32_t tile_count;
     uint64_t pixels;
-    uint64_t version;       /* changes whenever something visible does */
+    uint64_t version;        /* changes whenever something visible does */
     int64_t running_from_ms; /* elapsed time since then is not in row.elapsed_ms; < 0: standing */
-    struct rate rate;       /* merged samples */
+    struct rate rate;        /* merged samples */
     uint32_t lease_count;
 
-    bool open;              /* what follows exists */
+    bool unsaved; /* its row did not reach the disk */
+    bool open;    /* what follows exists */
     struct film film;
     struct job_tile *tiles;
     struct job_trouble *troubles;
     uint32_t trouble_count, trouble_capacity;
     uint32_t rounds_done;
-    uint32_t tiles_ahead;    /* tiles with more than rounds_done passes */
-    uint32_t rounds_judged;  /* error target: rounds found not good enough yet; pass p is merged only
-                              * when p <= rounds_judged */
-    uint32_t rounds_decided; /* seconds target: rounds that may be leased */
+    uint32_t tiles_ahead;   /* tiles with more than rounds_done passes */
+    uint32_t rounds_judged; /* error target: rounds found not good enough yet; pass p is merged only
+                             * when p <= rounds_judged */
+    uint32_t rounds_decided;           /* seconds target: rounds that may be leased */
     uint32_t cursor_pass, cursor_tile; /* nothing READY comes before, in breadth-first order */
     uint64_t held_bytes;
 
     /* Output (output.c). */
-    bool writing;            /* a task for this job is with the writer */
-    bool finishing;          /* the last one */
-    bool starved;            /* found no memory for its film; tried again when some is freed */
+    bool writing;     /* a task for this job is with the writer */
+    bool finishing;   /* the last one */
+    bool reached;     /* its error target is met: nothing more is merged */
+    bool film_failed; /* the last checkpoint did not reach the disk */
+    int64_t retry_ms; /* no output before then */
+    bool starved;     /* found no memory for its film; tried again when some is freed */
     int64_t next_image_ms, next_film_ms;
     uint64_t image_samples, film_samples; /* row.samples when last written */
 };
@@ -94,10 +99,10 @@ void job_open(struct job *, struct film *, const uint32_t *merged);
 void job_close(struct job *);
 uint64_t job_film_bytes(const struct job *); /* what being open costs */
 
-bool job_is_over(const struct job *);     /* done, failed or cancelled */
-uint32_t job_passes(const struct job *);  /* per tile, up to the spp target */
+bool job_is_over(const struct job *);    /* done, failed or cancelled */
+uint32_t job_passes(const struct job *); /* per tile, up to the spp target */
 int64_t job_elapsed_ms(const struct job *, int64_t now_ms);
-void job_touch(struct job *);             /* something visible has changed */
+void job_touch(struct job *); /* something visible has changed */
 
 /* Transitions; each asserts where it comes from. The caller saves the row. */
 void job_start(struct job *, int64_t now_ms, int64_t unix_ms); /* first lease */

@@ -107,8 +107,7 @@ static void sift_down(struct lease_table *t, struct lease *l)
 {
     size_t at = l->at;
     for (size_t child; (child = 2 * at + 1) < t->count; at = child) {
-        if (child + 1 < t->count &&
-            t->heap[child + 1]->deadline_ms < t->heap[child]->deadline_ms)
+        if (child + 1 < t->count && t->heap[child + 1]->deadline_ms < t->heap[child]->deadline_ms)
             child++;
         if (t->heap[child]->deadline_ms >= l->deadline_ms)
             break;

@@ -1,9 +1,9 @@
 /* lease.h - who holds which pass until when: grant, renew, expire.
  *
  * A heap ordered by deadline finds what has lapsed, a hash finds a lease by its id; both are told
- * of every move, so a renewal is O(log n). Leases are not durable: after a restart there are none, and
- * ids begin with another nonce, so an old id cannot name a new lease. Pure; time is an argument.
- * SPDX-License-Identifier: MIT */
+ * of every move, so a renewal is O(log n). Leases are not durable: after a restart there are none,
+ * and ids begin with another nonce, so an old id cannot name a new lease. Pure; time is an
+ * argument. SPDX-License-Identifier: MIT */
 #ifndef SERVER_LEASE_H
 #define SERVER_LEASE_H
 

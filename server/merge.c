@@ -95,7 +95,8 @@ static void merge_waiting(struct job *j, uint32_t tile, int64_t now_ms)
         if (s->state != SLOT_HELD || !may_merge(j, t->merged))
             return;
         struct job_held *h = s->held;
-        j->held_bytes -= (uint64_t)tile_rect_pixels(h->samples.rect) * FILM_CHANNELS * sizeof(float);
+        j->held_bytes -=
+            (uint64_t)tile_rect_pixels(h->samples.rect) * FILM_CHANNELS * sizeof(float);
         merge_one(j, tile, &h->samples, h->cpu_us, now_ms);
         free(h);
     }

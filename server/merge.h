@@ -25,7 +25,8 @@ bool merge_check(const struct job *, const struct wire_samples *, struct err *) 
 /* A checked payload of an open job. A lease on its pass ends: the caller drops its record. */
 enum merge_result merge_deliver(struct job *, const struct wire_samples *, int64_t now_ms);
 
-/* The last complete round was judged not good enough: lets the next one in, and what is held of it. */
+/* The last complete round was judged not good enough: lets the next one in, and what is held of it.
+ */
 void merge_next_round(struct job *, int64_t now_ms);
 
 bool merge_is_complete(const struct job *); /* every pass up to the spp target is in */

@@ -25,6 +25,7 @@ struct queue; /* opaque */
 struct queue *queue_new(size_t capacity);
 void queue_free(struct queue *); /* messages still inside are not freed */
 void queue_push(struct queue *, struct message);
-bool queue_pop(struct queue *, struct message *, int64_t until_ms); /* false: nothing came in time */
+bool queue_pop(struct queue *, struct message *,
+               int64_t until_ms); /* false: nothing came in time */
 
 #endif

@@ -12,10 +12,10 @@ enum { RATE_BUCKETS = 20, RATE_BUCKET_MS = 500 };
 
 struct rate { /* zero-initialised: nothing has happened yet */
     bool started;
-    int64_t since_ms;               /* the first event */
-    int64_t bucket;                 /* the newest one: time / RATE_BUCKET_MS */
-    double amount[RATE_BUCKETS];    /* [bucket % RATE_BUCKETS] */
-    double total;                   /* since the first event, without it */
+    int64_t since_ms;            /* the first event */
+    int64_t bucket;              /* the newest one: time / RATE_BUCKET_MS */
+    double amount[RATE_BUCKETS]; /* [bucket % RATE_BUCKETS] */
+    double total;                /* since the first event, without it */
 };
 
 void rate_add(struct rate *, double amount, int64_t now_ms);

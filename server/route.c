@@ -55,8 +55,8 @@ enum route_match route_find(const struct route *routes, size_t count, enum route
             memcpy(rq->part, part, sizeof part);
             return ROUTE_FOUND;
         }
-        const char *name = routes[i].method == ROUTE_GET ? "GET, HEAD"
-                                                         : method_names[routes[i].method];
+        const char *name =
+            routes[i].method == ROUTE_GET ? "GET, HEAD" : method_names[routes[i].method];
         allow = allow ? arena_printf(rq->arena, "%s, %s", allow, name) : name;
     }
     reply->allow = allow;
@@ -82,8 +82,8 @@ bool route_query_int(const struct request *rq, const char *name, int64_t least, 
     const size_t n = strlen(digits);
     const long long v = n && n <= 18 && strspn(digits, "0123456789") == n ? atoll(text) : least - 1;
     if (v < least || v > most)
-        return err_set(err, ERR_INPUT, "%s: expected a whole number from %lld to %lld, got '%s'", name,
-                       (long long)least, (long long)most, text);
+        return err_set(err, ERR_INPUT, "%s: expected a whole number from %lld to %lld, got '%s'",
+                       name, (long long)least, (long long)most, text);
     *out = v;
     return true;
 }

@@ -31,8 +31,8 @@ struct request_field {
 struct request {
     const struct route *route;
     const char *path;
-    const char *part[2];          /* what the stars of the route's pattern stand for */
-    const char *if_none_match;    /* NULL: absent */
+    const char *part[2];       /* what the stars of the route's pattern stand for */
+    const char *if_none_match; /* NULL: absent */
     struct request_field *query;
     size_t query_count;
     struct buf body;              /* empty when spooled */
@@ -44,15 +44,15 @@ struct request {
 };
 
 struct reply {
-    int status;              /* 0: not decided yet */
-    const char *type;        /* content type; NULL: no body */
-    const void *body;        /* memory of the request's arena or static; unused when file >= 0 */
+    int status;       /* 0: not decided yet */
+    const char *type; /* content type; NULL: no body */
+    const void *body; /* memory of the request's arena or static; unused when file >= 0 */
     size_t body_bytes;
-    int file;                /* a descriptor whose body_bytes bytes are the body, or -1 */
+    int file; /* a descriptor whose body_bytes bytes are the body, or -1 */
     const char *etag, *location, *allow; /* NULL: no such header */
-    bool immutable;          /* may be cached for ever */
-    int retry_after_s;       /* 0: no such header */
-    bool parked;             /* the handler keeps the exchange and answers later */
+    bool immutable;                      /* may be cached for ever */
+    int retry_after_s;                   /* 0: no such header */
+    bool parked;                         /* the handler keeps the exchange and answers later */
 };
 
 typedef void route_handler(struct server *, const struct request *, struct reply *);

@@ -93,7 +93,8 @@ static enum decision round_decide(struct job *j, uint32_t pass, int64_t now_ms)
 
 /* ---- inside a job ---- */
 
-static uint32_t round_limit(const struct sched *s, const struct job *j) /* passes below may be leased */
+static uint32_t round_limit(const struct sched *s,
+                            const struct job *j) /* passes below may be leased */
 {
     uint32_t ahead = j->row.target.error > 0 ? 2 : JOB_LOOKAHEAD;
     if (j->held_bytes >= s->held_limit_bytes)

@@ -1,8 +1,8 @@
 /* sched.h - which pass to hand out next, across jobs.
  *
- * Jobs go by priority, then age. Inside a job breadth first: pass p of all tiles before pass p + 1, up to
- * JOB_LOOKAHEAD rounds beyond the last complete one (one beyond it for a job with an error target,
- * since that round may be thrown away). A job with a seconds target decides before each new
+ * Jobs go by priority, then age. Inside a job breadth first: pass p of all tiles before pass p + 1,
+ * up to JOB_LOOKAHEAD rounds beyond the last complete one (one beyond it for a job with an error
+ * target, since that round may be thrown away). A job with a seconds target decides before each new
  * round whether it still fits. Pure; time is an argument.
  * SPDX-License-Identifier: MIT */
 #ifndef SERVER_SCHED_H
@@ -13,7 +13,8 @@
 struct sched {
     struct job **jobs; /* not over; by priority, then number */
     size_t count, capacity;
-    uint64_t held_limit_bytes; /* of early payloads per job: beyond it only the next pass is leased */
+    uint64_t
+        held_limit_bytes; /* of early payloads per job: beyond it only the next pass is leased */
 };
 
 void sched_release(struct sched *);

@@ -30,13 +30,13 @@ static const char *const steps[] = {
     " has_pass INTEGER NOT NULL) STRICT",
 };
 
-#define NAMES                                                                                     \
-    "id, document, title, state, priority, width, height, tile_px, x_begin, y_begin, x_end, "     \
-    "y_end, target_error, target_spp, target_seconds, settled, created, started, finished, "      \
-    "elapsed_ms, samples, passes, spp, error, cpu_us, granted, expired, returned, duplicates, "   \
+#define NAMES                                                                                      \
+    "id, document, title, state, priority, width, height, tile_px, x_begin, y_begin, x_end, "      \
+    "y_end, target_error, target_spp, target_seconds, settled, created, started, finished, "       \
+    "elapsed_ms, samples, passes, spp, error, cpu_us, granted, expired, returned, duplicates, "    \
     "invalid, image, digest, checkpoint, reason, in_pass, in_tile, has_pass, keys"
-#define MARKS                                                                                     \
-    "?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, " \
+#define MARKS                                                                                      \
+    "?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, "  \
     "?21, ?22, ?23, ?24, ?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, ?33, ?34, ?35, ?36, ?37, ?38"
 
 enum column_kind { COLUMN_INT, COLUMN_REAL, COLUMN_TEXT };
@@ -46,7 +46,10 @@ static const struct column {
     enum column_kind kind;
     size_t offset, size;
 } columns[] = {
-#define AT(kind, field) {kind, offsetof(struct store_job, field), sizeof((struct store_job *)0)->field}
+#define AT(kind, field)                                                                            \
+    {                                                                                              \
+        kind, offsetof(struct store_job, field), sizeof((struct store_job *)0)->field              \
+    }
     AT(COLUMN_INT, id),
     AT(COLUMN_TEXT, document),
     AT(COLUMN_TEXT, title),

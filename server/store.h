@@ -5,9 +5,8 @@
  * never claims samples that are only in memory. Owner thread only. Errors: ERR_IO.
  *
  * To change the schema: 1. add a step at the end of `steps` in store.c; never edit an old one.
- * 2. add the column to `columns` there, and to read_row and bind_row. 3. let test_store open a store
- * of the old version.
- * SPDX-License-Identifier: MIT */
+ * 2. add the column to `columns` there, and to read_row and bind_row. 3. let test_store open a
+ * store of the old version. SPDX-License-Identifier: MIT */
 #ifndef SERVER_STORE_H
 #define SERVER_STORE_H
 
@@ -60,9 +59,9 @@ struct store_job {
     uint64_t invalid_count;
     uint32_t key_count;
     struct film_key keys[FILM_MAX_KEYS];
-    uint64_t image_version;   /* 0: no image yet */
-    char digest[HASH_HEX];    /* of the finished image; "" before */
-    uint64_t checkpoint;      /* generation of the film on disk; 0: none */
+    uint64_t image_version; /* 0: no image yet */
+    char digest[HASH_HEX];  /* of the finished image; "" before */
+    uint64_t checkpoint;    /* generation of the film on disk; 0: none */
     struct store_failure failure;
 };
 

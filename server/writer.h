@@ -23,12 +23,12 @@ struct job;
 struct writer_task {
     unsigned parts; /* of enum writer_part */
     struct job *job;
-    struct checkpoint snapshot; /* owned */
+    struct checkpoint snapshot;     /* owned */
     char directory[DISK_PATH - 32]; /* STATE/jobs/ID */
     /* Filled by the writer. */
     bool ok; /* everything asked for is on disk */
     struct err err;
-    double error; /* WRITER_ERROR and WRITER_IMAGE; < 0: unknown */
+    double error;          /* WRITER_ERROR and WRITER_IMAGE; < 0: unknown */
     char digest[HASH_HEX]; /* WRITER_IMAGE */
     int64_t took_ms;
 };
