@@ -298,16 +298,12 @@ static void on_renew(struct agent *a, const struct link_event *e, int64_t now_ms
     }
 }
 
-/* The job has ended: whatever else is held of it is of no use. */
-static void forget_job(struct agent *a, const char job[LINK_ID])
+/* The job takes no more: whatever else is held of it goes back. */
+static void abandon_job(struct agent *a, const char job[LINK_ID])
 {
-    char id[LINK_ID];
-    memcpy(id, job, sizeof id);
-    for (struct pass *p = a->passes, *next; p; p = next) {
-        next = p->next;
-        if (!strcmp(p->lease.job, id))
-            abandon(a, p, true);
-    }
+    for (struct pass *p = a->passes; p; p = p->next)
+        if (!strcmp(p->lease.job, job))
+            abandon(a, p, false);
 }
 
 static void on_deliver(struct agent *a, const struct link_event *e, int64_t now_ms)
@@ -324,8 +320,8 @@ static void on_deliver(struct agent *a, const struct link_event *e, int64_t now_
         take_leases(a, e, now_ms);
     } else if (e->status == 409) {
         log_info("job_ended job=%s reason=\"%s\"", p->lease.job, e->text);
-        p->state = PASS_DONE;
-        forget_job(a, p->lease.job);
+        abandon_job(a, p->lease.job);
+        remove_pass(a, p);
     } else if (e->status == 404) {
         log_warn("delivery_late lease=%s job=%s reason=\"%s\"", p->lease.id, p->lease.job, e->text);
         a->lost++;

@@ -12,7 +12,7 @@
 #include "common/clock.h"
 #include "common/http_client.h"
 #include "common/log.h"
-#include "common/problem.h"
+#include "common/http_problem.h"
 #include "common/scene.h"
 
 enum {
@@ -303,7 +303,7 @@ static void fill(struct link *l, const struct http_client_reply *reply, struct l
     if (!reply->status) {
         snprintf(e->text, sizeof e->text, "%s", reply->err.text);
     } else if (reply->status / 100 != 2) {
-        problem_text(reply->status, &reply->body, e->text, sizeof e->text);
+        http_problem_text(reply->status, &reply->body, e->text, sizeof e->text);
     } else if (!read_answer(&reply->body, e)) {
         /* Leases in it lapse by themselves; whoever answers so is no coordinator of ours. */
         snprintf(e->text, sizeof e->text, "the answer is not one of a coordinator's");

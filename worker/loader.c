@@ -11,7 +11,7 @@
 #include "common/http_client.h"
 #include "common/log.h"
 #include "common/mesh.h"
-#include "common/problem.h"
+#include "common/http_problem.h"
 #include "common/trace/prep.h"
 
 enum {
@@ -43,7 +43,7 @@ static bool download_once(struct loader *l, const char *hex, size_t max_bytes, s
     bool good = reply.status == 200;
     if (!good) {
         char text[256];
-        problem_text(reply.status, &reply.body, text, sizeof text);
+        http_problem_text(reply.status, &reply.body, text, sizeof text);
         err_set(err, reply.status / 100 == 5 ? ERR_IO : ERR_NOT_FOUND, "%s", text);
     } else {
         hash_hex(reply.body.data ? reply.body.data : (const unsigned char *)"", reply.body.size, found);

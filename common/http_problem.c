@@ -1,6 +1,6 @@
 /* jansson: every tree is owned here and released before the function returns; members are borrowed.
  * SPDX-License-Identifier: MIT */
-#include "common/problem.h"
+#include "common/http_problem.h"
 
 #include <jansson.h>
 #include <stdio.h>
@@ -17,7 +17,7 @@ static const char *member(const json_t *object, const char *key)
     return text ? text : "";
 }
 
-void problem_text(int status, const struct buf *body, char *out, size_t out_bytes)
+void http_problem_text(int status, const struct buf *body, char *out, size_t out_bytes)
 {
     json_t *root = parse(body);
     const char *detail = member(root, "detail");
@@ -27,7 +27,7 @@ void problem_text(int status, const struct buf *body, char *out, size_t out_byte
     json_decref(root);
 }
 
-bool problem_entry(const struct buf *body, size_t index, char *pointer, size_t pointer_bytes,
+bool http_problem_entry(const struct buf *body, size_t index, char *pointer, size_t pointer_bytes,
                    char *detail, size_t detail_bytes)
 {
     json_t *root = parse(body);
