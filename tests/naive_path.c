@@ -71,7 +71,8 @@ static bool conductor(const struct material *m, struct dir wo, struct dice *dice
         return false;
     const double g = 1 / (1 + lambda(wo, alpha) + lambda(*wi, alpha));
     for (int k = 0; k < 3; k++) {
-        const double complex n = (double)m->conductor.eta[k] + I * (double)m->conductor.k[k];
+        const double complex i = (double complex)I * (double)m->conductor.k[k];
+        const double complex n = (double)m->conductor.eta[k] + i;
         weight[k] = fresnel(oh, n) * g * oh / (wo.z * h.z);
     }
     return true;
