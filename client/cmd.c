@@ -5,7 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "client/watch.h"
+
 enum { MAX_FLAGS = 32 };
+
+#define DEFAULT_SERVER "http://127.0.0.1:7080"
 
 static int misuse(const struct cmd_spec *spec, const char *what)
 {
@@ -37,10 +41,41 @@ bool cmd_parse(const struct cmd_spec *spec, int argc, char *const *args, const c
     return *status == CMD_OK;
 }
 
-const char *cmd_server(const char *flag)
+bool cmd_open(struct remote *remote, const char *flag, int *status)
 {
     const char *environment = getenv("SMALTI_SERVER");
-    return flag ? flag : environment && *environment ? environment : "http://127.0.0.1:7080";
+    const char *server = flag ? flag : environment && *environment ? environment : DEFAULT_SERVER;
+    struct err err;
+    if (remote_open(remote, server, &err))
+        return true;
+    fprintf(stderr, "smalti: %s\n", err.text);
+    *status = CMD_USAGE;
+    return false;
+}
+
+bool cmd_check_id(const char *text)
+{
+    if (remote_is_id(text))
+        return true;
+    fprintf(stderr, "smalti: expected a job's id (16 hex digits), got '%s'\n", text);
+    return false;
+}
+
+int cmd_follow(struct remote *remote, const char *id, bool json)
+{
+    struct err err;
+    struct progress progress = progress_make(stderr, json);
+    struct watch watch = {.remote = remote, .id = id, .progress = &progress, .json = json};
+    switch (watch_run(&watch, &err)) {
+    case WATCH_RUNNING:
+    case WATCH_OVER:
+        return watch_verdict(&watch);
+    case WATCH_SIGNAL:
+        return CMD_INTERRUPTED;
+    case WATCH_LOST:
+        return cmd_fail(&err);
+    }
+    __builtin_unreachable();
 }
 
 int cmd_fail(const struct err *err)

@@ -6,6 +6,7 @@
 #ifndef CLIENT_CMD_H
 #define CLIENT_CMD_H
 
+#include "client/remote.h"
 #include "common/err.h"
 #include "common/flags.h"
 #include "common/scene.h"
@@ -42,7 +43,13 @@ struct cmd_spec {
 bool cmd_parse(const struct cmd_spec *, int argc, char *const *args, const char **operands,
                size_t *operand_count, int *status) MUST_CHECK;
 
-const char *cmd_server(const char *flag); /* the flag, $SMALTI_SERVER or the default */
+/* The coordinator at the flag's address, $SMALTI_SERVER's or the default; false: *status. */
+bool cmd_open(struct remote *, const char *flag, int *status) MUST_CHECK;
+
+bool cmd_check_id(const char *text); /* false: said on stderr that it is none */
+
+/* Shows a job until it ends (call watch_block before); returns the exit status. */
+int cmd_follow(struct remote *, const char *id, bool json);
 
 /* "smalti: TEXT" on stderr; returns the status that fits the code. */
 int cmd_fail(const struct err *);
