@@ -61,7 +61,7 @@ static void judge(struct scenes *s, double pdf_tolerance, const char *name)
     struct dice dice = dice_make(4);
     const struct stage *stage = scenes_stage(s);
     const struct scenery c = {stage, receiver_of(stage), &dice};
-    const struct sphere_chi2 t = {direction_sample, direction_pdf_w, &c, 4};
+    const struct sphere_chi2 t = {direction_sample, direction_pdf_w, &c, 3};
     const struct sphere_chi2_result r = sphere_chi2_run(&t, 300000 / STAT_SLOW, 1);
     ok(r.p > stat_sidak(0.01, 6), "%s: directions follow the pdf (p %.3f)", name, r.p);
     ok(fabs(r.mass_off) < fmax(2e-3, 4 * r.mass_sd), "%s: pdf integrates to 1 (%.5f off)", name,
@@ -174,7 +174,7 @@ static void picks_follow_table(void)
     const struct stage *stage = scenes_stage(&s);
     const struct surface from = receiver_of(stage);
     const struct emitter *emitters = stage_at(stage, stage->emitters);
-    const uint32_t n = 1u << 18;
+    const uint32_t n = 1u << 15;
     uint32_t seen[LIGHTS] = {0};
     double due[LIGHTS], chosen[LIGHTS] = {0}, off = 0;
     for (uint32_t i = 0; i < n; i++) {

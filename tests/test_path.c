@@ -46,7 +46,7 @@ static void agrees_with_naive(void)
     scenes_render(stage, 4096 / STAT_SLOW, &film);
     struct dice dice = dice_make(77);
     struct stat_mean pixel[16][3] = {0}, image[3] = {0};
-    const uint32_t n = 48000 / STAT_SLOW;
+    const uint32_t n = 32000 / STAT_SLOW;
     for (uint32_t i = 0; i < n; i++) {
         double all[3] = {0, 0, 0};
         for (uint32_t p = 0; p < 16; p++) {
@@ -78,7 +78,7 @@ static void agrees_with_naive(void)
         const struct scenes_mean m = scenes_mean(&film, c);
         const double error = hypot(m.error, stat_error(&image[c]));
         const double off = fabs(m.mean - image[c].mean);
-        ok(off < 3.9 * error && error < (STAT_SLOW == 1 ? 0.003 : 0.03) * m.mean,
+        ok(off < 3.9 * error && error < (STAT_SLOW == 1 ? 0.004 : 0.04) * m.mean,
            "channel %d agrees with the naive path tracer: %.5f, %.5f +- %.5f", c, m.mean,
            image[c].mean, error);
     }
@@ -89,18 +89,18 @@ static void agrees_with_naive(void)
 static void roulette_changes_nothing(void)
 {
     enum { SIDE = 24 };
-    const uint32_t spp = 640 / STAT_SLOW;
+    const uint32_t spp = 256 / STAT_SLOW;
     struct scenes s;
     mixed(&s, SIDE, false);
     const struct stage *stage = scenes_stage(&s);
-    /* The frame is the same, so its own variation does not count: pixels are compared in pairs. */
+    /* With the same random numbers paths differ by what roulette does and nothing else. */
     struct stat_mean early = {0}, usual = {0}, none = {0};
     for (uint32_t i = 0; i < SIDE * SIDE; i++) {
         double mean[3] = {0, 0, 0};
         static const uint32_t begin[3] = {UINT32_MAX, PATH_ROULETTE_BEGIN, 0};
         for (int k = 0; k < 3; k++)
             for (uint32_t j = 0; j < spp; j++) {
-                const struct rng rng = rng_make((uint64_t)k, i % SIDE, i / SIDE, j);
+                const struct rng rng = rng_make(5, i % SIDE, i / SIDE, j);
                 const struct ray ray = camera_ray(&stage->camera, (float)(i % SIDE) + .5f,
                                                   (float)(i / SIDE) + .5f);
                 mean[k] += (double)rgb_luminance(path_radiance(stage, ray, &rng, begin[k])) / spp;
