@@ -43,8 +43,8 @@ static double integrate(const struct sphere_chi2 *t, double z, double dz, double
         return sum;
     sum = 0;
     for (int i = 0; i < 4; i++)
-        sum += integrate(t, z + (i & 1 ? hz : 0), hz, phi + (i & 2 ? hp : 0), hp, part[i],
-                         depth + 1);
+        sum +=
+            integrate(t, z + (i & 1 ? hz : 0), hz, phi + (i & 2 ? hp : 0), hp, part[i], depth + 1);
     return sum;
 }
 
