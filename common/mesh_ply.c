@@ -1,12 +1,12 @@
 /* Polygon File Format, ascii and binary: G. Turk, "The PLY polygon file format", Stanford, 1994.
  * Rows of the elements vertex, face and tristrips are used, all others are stepped over.
  * SPDX-License-Identifier: MIT */
-#include "common/mesh_build.h"
+#include "common/mesh_ply.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "common/mesh_ply.h"
+#include "common/mesh_build.h"
 
 static size_t bytes_left(const struct ply *p)
 {
