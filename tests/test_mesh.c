@@ -207,7 +207,7 @@ static void ply_binary(void)
              b.size - (2 + 12 + 1 + 8));
     ok(!read_as(MESH_PLY, b.data, b.size) && !strcmp(err.text, want),
        "an index out of range is refused at its row: %s", err.text);
-    const double not_finite = NAN;
+    const double not_finite = (double)NAN;
     const char *rows = strstr((const char *)b.data, "end_header\n") + 11;
     memcpy(b.data + (rows - (const char *)b.data), &not_finite, sizeof not_finite);
     ok(!read_as(MESH_PLY, b.data, b.size) && strstr(err.text, "vertex 0: expected coordinates in "

@@ -344,6 +344,20 @@ static void examples(void)
     ok(seen >= 4, "there are examples (%d)", seen);
 }
 
+static void specification(void)
+{
+    struct buf b = {0};
+    struct err err;
+    const bool read = buf_read_file(&b, "docs/scene.md", SCENE_MAX_BYTES, &err);
+    buf_append(&b, "", 1);
+    char *begin = read ? strstr((char *)b.data, "```json\n") : NULL;
+    char *end = begin ? strstr(begin + 8, "```") : NULL;
+    if (end)
+        *end = '\0';
+    ok(end && parse(begin + 8) && scene.shape_count == 3, "the example of docs/scene.md is valid");
+    buf_release(&b);
+}
+
 int main(void)
 {
     defaults();
@@ -355,6 +369,7 @@ int main(void)
     lights();
     limits();
     examples();
+    specification();
     arena_release(&arena);
     return tap_done();
 }
