@@ -1,0 +1,209 @@
+/* SPDX-License-Identifier: MIT */
+#include "common/wire.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#include <zlib.h>
+
+enum { TYPE_SAMPLES = 1, FLAG_DEFLATED = 1, PROBE_BYTES = 4096 };
+
+static const char magic[4] = {'S', 'M', 'L', 'T'};
+
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "floats are copied as they lie in memory");
+
+static void write_body(const struct wire_samples *w, struct buf *out)
+{
+    const struct film_samples *s = &w->samples;
+    buf_u64(out, w->job);
+    buf_u32(out, w->frame);
+    buf_u32(out, w->tile);
+    buf_u32(out, w->pass);
+    buf_u32(out, s->rect.x_begin);
+    buf_u32(out, s->rect.y_begin);
+    buf_u32(out, s->rect.x_end);
+    buf_u32(out, s->rect.y_end);
+    buf_u32(out, s->pass.s_begin);
+    buf_u32(out, s->pass.s_end);
+    buf_u64(out, w->cpu_us);
+    buf_u64(out, s->invalid_count);
+    buf_u32(out, s->key_count);
+    for (uint32_t i = 0; i < s->key_count; i++) {
+        buf_u32(out, s->keys[i].x_px);
+        buf_u32(out, s->keys[i].y_px);
+        buf_u32(out, s->keys[i].sample);
+    }
+    buf_append(out, s->sums, (size_t)tile_rect_pixels(s->rect) * FILM_CHANNELS * sizeof *s->sums);
+}
+
+static size_t deflate_into(unsigned char *out, size_t room, const unsigned char *data, size_t bytes)
+{
+    uLongf n = room;
+    return compress2(out, &n, data, bytes, Z_BEST_SPEED) == Z_OK ? n : 0;
+}
+
+/* Worth compressing? A piece from the middle tells: noise stays, flat areas collapse. */
+static bool shrinks(const unsigned char *body, size_t bytes)
+{
+    unsigned char piece[PROBE_BYTES * 2];
+    if (bytes < 2 * PROBE_BYTES)
+        return false;
+    const size_t n = deflate_into(piece, sizeof piece, body + bytes / 2, PROBE_BYTES);
+    return n && n < PROBE_BYTES / 2;
+}
+
+void wire_encode(const struct wire_samples *w, struct buf *out)
+{
+    struct buf raw = {0}, packed = {0};
+    write_body(w, &raw);
+    const struct buf *body = &raw;
+    if (shrinks(raw.data, raw.size)) {
+        void *room = buf_grow(&packed, compressBound(raw.size));
+        packed.size = deflate_into(room, packed.size, raw.data, raw.size);
+        if (packed.size && packed.size < raw.size)
+            body = &packed;
+    }
+    buf_append(out, magic, sizeof magic);
+    buf_u32(out, WIRE_VERSION | TYPE_SAMPLES << 16);
+    buf_u32(out, body == &packed ? FLAG_DEFLATED : 0);
+    buf_u64(out, raw.size);
+    buf_u64(out, body->size);
+    buf_u32(out, (uint32_t)crc32_z(0, body->data, body->size));
+    buf_append(out, body->data, body->size);
+    buf_release(&raw);
+    buf_release(&packed);
+}
+
+/* The body, inflated when need be; NULL with `err` set when the frame is wrong. */
+static const unsigned char *open_frame(const void *data, size_t bytes, size_t *body_bytes,
+                                       struct arena *arena, struct err *err)
+{
+    struct buf_reader r = buf_reader_make(data, bytes);
+    const void *word = buf_read(&r, sizeof magic);
+    const uint32_t kind = buf_read_u32(&r), flags = buf_read_u32(&r);
+    const uint64_t raw = buf_read_u64(&r), sent = buf_read_u64(&r);
+    const uint32_t crc = buf_read_u32(&r);
+    const size_t rest = (size_t)(r.end - r.at);
+    bool ok = false;
+    if (r.failed || bytes > WIRE_MAX_BYTES)
+        err_set(err, ERR_PROTOCOL, "payload of %zu bytes: expected %d to %d", bytes,
+                WIRE_HEADER_BYTES, WIRE_MAX_BYTES);
+    else if (memcmp(word, magic, sizeof magic) != 0)
+        err_set(err, ERR_PROTOCOL, "payload does not begin with SMLT");
+    else if (kind != (WIRE_VERSION | TYPE_SAMPLES << 16))
+        err_set(err, ERR_PROTOCOL, "payload version %u, type %u: expected version %d, type %d",
+                kind & 0xffff, kind >> 16, WIRE_VERSION, TYPE_SAMPLES);
+    else if (flags & ~(uint32_t)FLAG_DEFLATED)
+        err_set(err, ERR_PROTOCOL, "payload flags 0x%x: expected 0 or 1", flags);
+    else if (sent != rest || raw > WIRE_MAX_BYTES - WIRE_HEADER_BYTES ||
+             (!(flags & FLAG_DEFLATED) && raw != sent))
+        err_set(err, ERR_PROTOCOL, "payload body of %zu bytes contradicts its header", rest);
+    else if (crc != crc32_z(0, r.at, rest))
+        err_set(err, ERR_PROTOCOL, "payload checksum is wrong");
+    else
+        ok = true;
+    if (!ok)
+        return NULL;
+
+    *body_bytes = (size_t)raw;
+    if (!(flags & FLAG_DEFLATED))
+        return r.at;
+    unsigned char *body = arena_new(arena, unsigned char, (size_t)raw);
+    uLongf n = raw;
+    if (uncompress(body, &n, r.at, rest) != Z_OK || n != raw) {
+        err_set(err, ERR_PROTOCOL, "payload does not inflate to %llu bytes",
+                (unsigned long long)raw);
+        return NULL;
+    }
+    return body;
+}
+
+static bool rect_is_sane(struct tile_rect r)
+{
+    return r.x_begin < r.x_end && r.y_begin < r.y_end && r.x_end - r.x_begin <= TILE_MAX_PX &&
+           r.y_end - r.y_begin <= TILE_MAX_PX;
+}
+
+static void read_fixed(struct buf_reader *r, struct wire_samples *w)
+{
+    struct film_samples *s = &w->samples;
+    w->job = buf_read_u64(r);
+    w->frame = buf_read_u32(r);
+    w->tile = buf_read_u32(r);
+    w->pass = buf_read_u32(r);
+    s->rect.x_begin = buf_read_u32(r);
+    s->rect.y_begin = buf_read_u32(r);
+    s->rect.x_end = buf_read_u32(r);
+    s->rect.y_end = buf_read_u32(r);
+    s->pass.s_begin = buf_read_u32(r);
+    s->pass.s_end = buf_read_u32(r);
+    w->cpu_us = buf_read_u64(r);
+    s->invalid_count = buf_read_u64(r);
+    s->key_count = buf_read_u32(r);
+}
+
+static bool check_fixed(const struct film_samples *s, struct err *err)
+{
+    if (!rect_is_sane(s->rect))
+        return err_set(err, ERR_PROTOCOL, "payload rectangle is empty or larger than %d px",
+                       TILE_MAX_PX);
+    if (s->pass.s_begin >= s->pass.s_end)
+        return err_set(err, ERR_PROTOCOL, "payload sample range [%u, %u) is empty",
+                       s->pass.s_begin, s->pass.s_end);
+    const uint64_t samples =
+        (uint64_t)tile_rect_pixels(s->rect) * (s->pass.s_end - s->pass.s_begin);
+    if (s->invalid_count > samples || s->key_count > FILM_MAX_KEYS ||
+        s->key_count > s->invalid_count)
+        return err_set(err, ERR_PROTOCOL, "payload counts %llu invalid samples of %llu, %u keys",
+                       (unsigned long long)s->invalid_count, (unsigned long long)samples,
+                       s->key_count);
+    return true;
+}
+
+static bool key_inside(const struct film_samples *s, struct film_key k)
+{
+    return k.x_px >= s->rect.x_begin && k.x_px < s->rect.x_end && k.y_px >= s->rect.y_begin &&
+           k.y_px < s->rect.y_end && k.sample >= s->pass.s_begin && k.sample < s->pass.s_end;
+}
+
+static bool read_keys(struct buf_reader *r, struct film_samples *s, struct err *err)
+{
+    for (uint32_t i = 0; i < s->key_count; i++) {
+        s->keys[i].x_px = buf_read_u32(r);
+        s->keys[i].y_px = buf_read_u32(r);
+        s->keys[i].sample = buf_read_u32(r);
+        if (!r->failed && !key_inside(s, s->keys[i]))
+            return err_set(err, ERR_PROTOCOL, "payload key %u lies outside its tile and pass", i);
+    }
+    return true;
+}
+
+bool wire_decode(struct wire_samples *w, const void *data, size_t bytes, struct arena *arena,
+                 struct err *err)
+{
+    *w = (struct wire_samples){0};
+    size_t body_bytes;
+    const unsigned char *body = open_frame(data, bytes, &body_bytes, arena, err);
+    if (!body)
+        return false;
+    struct buf_reader r = buf_reader_make(body, body_bytes);
+    struct film_samples *s = &w->samples;
+    read_fixed(&r, w);
+    if (r.failed)
+        return err_set(err, ERR_PROTOCOL, "payload body of %zu bytes: expected at least %d",
+                       body_bytes, WIRE_BODY_FIXED_BYTES);
+    if (!check_fixed(s, err) || !read_keys(&r, s, err))
+        return false;
+    const size_t count = (size_t)tile_rect_pixels(s->rect) * FILM_CHANNELS;
+    const size_t rest = (size_t)(r.end - r.at);
+    if (r.failed || rest != count * sizeof(float))
+        return err_set(err, ERR_PROTOCOL, "payload sums: %zu bytes, expected %zu", rest,
+                       count * sizeof(float));
+    s->sums = arena_new(arena, float, count);
+    memcpy(s->sums, r.at, rest);
+    for (size_t i = 0; i < count; i++)
+        if (!(isfinite(s->sums[i]) && s->sums[i] >= 0))
+            return err_set(err, ERR_PROTOCOL, "payload sum %zu is negative or not finite", i);
+    return true;
+}

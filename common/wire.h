@@ -1,0 +1,36 @@
+/* wire.h - tile samples <-> bytes. The format is specified in docs/wire.md.
+ *
+ * Decoding trusts nothing: the result is either complete, finite and within limits,
+ * or ERR_PROTOCOL with the field that was wrong. Whether it is what was asked for is
+ * the caller's question (merge.c compares it with the lease's record).
+ * Pure functions, any thread.
+ * SPDX-License-Identifier: MIT */
+#ifndef COMMON_WIRE_H
+#define COMMON_WIRE_H
+
+#include "common/buf.h"
+#include "common/err.h"
+#include "common/film.h"
+
+enum {
+    WIRE_VERSION = 1,
+    WIRE_HEADER_BYTES = 32,
+    WIRE_BODY_FIXED_BYTES = 64,
+    WIRE_MAX_BYTES = WIRE_HEADER_BYTES + WIRE_BODY_FIXED_BYTES + FILM_MAX_KEYS * 12 +
+                     TILE_MAX_PX * TILE_MAX_PX * FILM_CHANNELS * 4,
+};
+
+struct wire_samples {
+    uint64_t job;
+    uint32_t frame, tile, pass;
+    uint64_t cpu_us;
+    struct film_samples samples;
+};
+
+void wire_encode(const struct wire_samples *, struct buf *out); /* appends */
+
+/* samples.sums is memory of the arena. */
+bool wire_decode(struct wire_samples *, const void *data, size_t bytes, struct arena *,
+                 struct err *) MUST_CHECK;
+
+#endif

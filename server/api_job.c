@@ -1,0 +1,318 @@
+/* JSON: body_parse's object is owned by the handler and released before it returns.
+ * SPDX-License-Identifier: MIT */
+#include "server/api.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <jansson.h>
+
+#include "common/clock.h"
+#include "server/body.h"
+#include "server/problem.h"
+#include "server/server.h"
+#include "server/status.h"
+
+enum { MAX_PRIORITY = 100, MAX_LIST = 200, LIST = 50 };
+
+static void reply_job(const struct server *s, const struct request *rq, struct reply *re,
+                      int status, const struct job *j)
+{
+    re->etag = arena_printf(rq->arena, "\"%08x-%llu\"", s->nonce, (unsigned long long)j->version);
+    if (status == 200 && rq->route->method == ROUTE_GET &&
+        route_etag_matches(rq->if_none_match, re->etag))
+        re->status = 304;
+    else
+        body_reply(rq, re, status, status_job(s, j));
+}
+
+static struct job *job_of_id(const struct server *s, const struct request *rq, struct reply *re,
+                             const char *text)
+{
+    struct job *j = NULL;
+    if (strlen(text) == 16 && strspn(text, "0123456789abcdef") == 16)
+        j = server_job_find(s, strtoull(text, NULL, 16));
+    if (!j)
+        problem_reply(rq, re, 404, "no such job: %.40s", text);
+    return j;
+}
+
+/* ---- submit ---- */
+
+void api_prepare_job(struct request *rq, struct reply *re)
+{
+    struct scene_errors errors = {0};
+    struct scene *scene = arena_new(rq->arena, struct scene, 1);
+    if (scene_parse(scene, rq->body.data ? (const char *)rq->body.data : "", rq->body.size,
+                    SCENE_FROM_NET, rq->arena, &errors))
+        rq->scene = scene;
+    else
+        problem_scene(rq, re, &errors);
+}
+
+static bool assets_are_here(const struct request *rq, struct reply *re)
+{
+    const struct scene *scene = rq->scene;
+    const char **missing = arena_new(rq->arena, const char *, scene->mesh_count);
+    size_t count = 0;
+    for (uint32_t i = 0; i < scene->mesh_count; i++) {
+        const struct mesh *m = &scene->meshes[i];
+        bool known = m->format == MESH_INLINE || asset_exists(m->asset);
+        for (size_t k = 0; k < count; k++)
+            known |= !strcmp(missing[k], m->asset);
+        if (!known)
+            missing[count++] = m->asset;
+    }
+    if (count)
+        problem_missing(rq, re, missing, count);
+    return count == 0;
+}
+
+static struct store_job row_of(const struct server *s, const struct scene *scene, int64_t priority)
+{
+    const struct scene_film *f = &scene->film;
+    struct store_job row = {
+        .state = JOB_QUEUED,
+        .priority = (int32_t)priority,
+        .width_px = f->width_px,
+        .height_px = f->height_px,
+        .tile_px = s->config->tile_px,
+        .crop = {f->crop_x_begin, f->crop_y_begin, f->crop_x_end, f->crop_y_end},
+        .target = scene->settings.target,
+        .created_unix_ms = clock_unix_ms(),
+        .error = -1,
+    };
+    do
+        server_random(&row.id, sizeof row.id);
+    while (!row.id || server_job_find(s, row.id));
+    snprintf(row.title, sizeof row.title, "%s", scene->title);
+    return row;
+}
+
+static bool film_fits(const struct server *s, const struct request *rq, struct reply *re,
+                      const struct store_job *row)
+{
+    struct job *j = job_new(row);
+    const uint64_t bytes = job_film_bytes(j);
+    job_free(j);
+    if (bytes <= s->config->memory_bytes)
+        return true;
+    struct scene_error e = {
+        .code = ERR_LIMIT,
+        .where = "/film",
+        .what = arena_printf(
+            rq->arena, "takes %llu MiB of memory; this coordinator has %llu MiB (--memory)",
+            (unsigned long long)(bytes >> 20), (unsigned long long)(s->config->memory_bytes >> 20)),
+    };
+    problem_scene(rq, re, &(struct scene_errors){&e, 1});
+    return false;
+}
+
+void api_job_submit(struct server *s, const struct request *rq, struct reply *re)
+{
+    int64_t priority;
+    struct err err;
+    if (!route_query_int(rq, "priority", -MAX_PRIORITY, MAX_PRIORITY, 0, &priority, &err)) {
+        problem_from_err(rq, re, &err);
+        return;
+    }
+    struct store_job row = row_of(s, rq->scene, priority);
+    if (!assets_are_here(rq, re) || !film_fits(s, rq, re, &row))
+        return;
+    if (!asset_put(rq->body.data, rq->body.size, row.document, &err) ||
+        !store_job_add(s->store, &row, &err)) {
+        log_error("submit %s", err.text);
+        problem_from_err(rq, re, &err);
+        return;
+    }
+    const struct job *j = server_job_add(s, &row);
+    log_info("job=%016llx submitted %ux%u spp=%u error=%g seconds=%g priority=%d title=%s",
+             (unsigned long long)row.id, row.width_px, row.height_px, row.target.spp,
+             row.target.error, row.target.seconds, row.priority, row.title);
+    re->location = arena_printf(rq->arena, "/v1/jobs/%016llx", (unsigned long long)row.id);
+    reply_job(s, rq, re, 201, j);
+}
+
+/* ---- look ---- */
+
+static size_t place_of(const struct server *s, uint64_t number) /* in s->jobs, by age */
+{
+    size_t begin = 0, end = s->job_count;
+    while (begin < end) {
+        const size_t mid = (begin + end) / 2;
+        if (s->jobs[mid]->row.number < number)
+            begin = mid + 1;
+        else
+            end = mid;
+    }
+    return begin;
+}
+
+void api_job_list(struct server *s, const struct request *rq, struct reply *re)
+{
+    int64_t limit;
+    struct err err;
+    if (!route_query_int(rq, "limit", 1, MAX_LIST, LIST, &limit, &err)) {
+        problem_from_err(rq, re, &err);
+        return;
+    }
+    size_t at = s->job_count; /* the next one is before it */
+    const char *after = route_query(rq, "after");
+    if (after) {
+        const struct job *j = job_of_id(s, rq, re, after);
+        if (!j)
+            return;
+        at = place_of(s, j->row.number);
+    }
+    json_t *list = json_array(), *next = json_null();
+    for (int64_t n = 0; n < limit && at > 0; n++)
+        json_array_append_new(list, status_job(s, s->jobs[--at]));
+    if (at > 0) {
+        char id[24];
+        snprintf(id, sizeof id, "%016llx", (unsigned long long)s->jobs[at]->row.id);
+        next = json_string(id);
+    }
+    body_reply(rq, re, 200, json_pack("{s:o, s:o}", "jobs", list, "next", next));
+}
+
+void api_job_get(struct server *s, const struct request *rq, struct reply *re)
+{
+    const struct job *j = job_of_id(s, rq, re, rq->part[0]);
+    if (j)
+        reply_job(s, rq, re, 200, j);
+}
+
+void api_job_document(struct server *s, const struct request *rq, struct reply *re)
+{
+    const struct job *j = job_of_id(s, rq, re, rq->part[0]);
+    if (!j)
+        return;
+    uint64_t bytes;
+    re->file = asset_fd(j->row.document, &bytes);
+    if (re->file < 0) {
+        problem_reply(rq, re, 404, "the document is no longer here");
+        return;
+    }
+    re->status = 200;
+    re->type = "application/json";
+    re->body_bytes = bytes;
+    re->immutable = true;
+}
+
+static void reply_image(const struct server *s, const struct request *rq, struct reply *re,
+                        const char *name, const char *type)
+{
+    const struct job *j = job_of_id(s, rq, re, rq->part[0]);
+    if (!j)
+        return;
+    re->etag = arena_printf(rq->arena, "\"%08x-%llu\"", s->nonce,
+                            (unsigned long long)j->row.image_version);
+    if (j->row.image_version && route_etag_matches(rq->if_none_match, re->etag)) {
+        re->status = 304;
+        return;
+    }
+    char directory[DISK_PATH - 32], path[DISK_PATH];
+    uint64_t bytes;
+    server_job_directory(s, j, directory, sizeof directory);
+    snprintf(path, sizeof path, "%s/%s", directory, name);
+    re->file = j->row.image_version ? disk_open(path, &bytes) : -1;
+    if (re->file < 0) {
+        re->etag = NULL;
+        problem_reply(rq, re, 404, "there is no image yet");
+        return;
+    }
+    re->status = 200;
+    re->type = type;
+    re->body_bytes = bytes;
+}
+
+void api_job_exr(struct server *s, const struct request *rq, struct reply *re)
+{
+    reply_image(s, rq, re, "image.exr", "image/x-exr");
+}
+
+void api_job_png(struct server *s, const struct request *rq, struct reply *re)
+{
+    reply_image(s, rq, re, "preview.png", "image/png");
+}
+
+/* ---- change ---- */
+
+struct change {
+    const char *state;      /* NULL: as it is */
+    json_t *priority_value; /* NULL: as it is */
+    int32_t priority;
+};
+
+static bool change_read(json_t *root, struct change *c, struct err *err)
+{
+    json_error_t e;
+    if (json_unpack_ex(root, &e, JSON_STRICT, "{s?s, s?o}", "state", &c->state, "priority",
+                       &c->priority_value) != 0)
+        return err_set(err, ERR_INPUT, "%s", e.text);
+    if (!c->state && !c->priority_value)
+        return err_set(err, ERR_INPUT, "expected state, priority, or both");
+    if (c->state && strcmp(c->state, "paused") != 0 && strcmp(c->state, "running") != 0)
+        return err_set(err, ERR_INPUT, "state: expected \"paused\" or \"running\", got \"%.20s\"",
+                       c->state);
+    if (!c->priority_value)
+        return true;
+    const json_int_t p = json_integer_value(c->priority_value);
+    if (!json_is_integer(c->priority_value) || p < -MAX_PRIORITY || p > MAX_PRIORITY)
+        return err_set(err, ERR_INPUT, "priority: expected a whole number from %d to %d",
+                       -MAX_PRIORITY, MAX_PRIORITY);
+    c->priority = (int32_t)p;
+    return true;
+}
+
+static bool change_apply(struct server *s, struct job *j, const struct change *c, struct err *err)
+{
+    if (job_is_over(j))
+        return err_set(err, ERR_CONFLICT, "the job is %s", store_state_name(j->row.state));
+    if (c->state && *c->state == 'p' && j->row.state != JOB_PAUSED)
+        job_pause(j, s->now_ms);
+    if (c->state && *c->state == 'r' && j->row.state == JOB_PAUSED)
+        job_resume(j, s->now_ms);
+    if (c->priority_value) {
+        j->row.priority = c->priority;
+        sched_reorder(&s->sched, j);
+        job_touch(j);
+    }
+    s->news = true;
+    return server_job_save(s, j) || err_set(err, ERR_IO, "the change is not on disk yet");
+}
+
+void api_job_change(struct server *s, const struct request *rq, struct reply *re)
+{
+    struct job *j = job_of_id(s, rq, re, rq->part[0]);
+    if (!j)
+        return;
+    json_t *root = body_parse(rq, re);
+    if (!root)
+        return;
+    struct change change = {0};
+    struct err err;
+    if (change_read(root, &change, &err) && change_apply(s, j, &change, &err))
+        reply_job(s, rq, re, 200, j);
+    else
+        problem_from_err(rq, re, &err);
+    json_decref(root);
+}
+
+void api_job_cancel(struct server *s, const struct request *rq, struct reply *re)
+{
+    struct job *j = job_of_id(s, rq, re, rq->part[0]);
+    if (!j)
+        return;
+    if (j->row.state == JOB_DONE || j->row.state == JOB_FAILED) {
+        problem_reply(rq, re, 409, "the job is %s", store_state_name(j->row.state));
+        return;
+    }
+    if (j->row.state != JOB_CANCELLED)
+        server_job_end(s, j, JOB_CANCELLED);
+    if (j->unsaved)
+        problem_reply(rq, re, 503, "the change is not on disk yet");
+    else
+        reply_job(s, rq, re, 200, j);
+}

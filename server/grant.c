@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: MIT */
+#include "server/grant.h"
+
+#include <stdio.h>
+
+#include <jansson.h>
+
+#include "common/clock.h"
+
+static json_t *lease_json(const struct server *s, const struct lease *l)
+{
+    const struct job *j = l->job;
+    const struct tile_rect r = tile_rect_of(&j->grid, l->tile);
+    const struct tile_pass p = tile_pass_of(l->pass, j->row.target.spp);
+    char lease[24], job[24];
+    snprintf(lease, sizeof lease, "%016llx", (unsigned long long)l->id);
+    snprintf(job, sizeof job, "%016llx", (unsigned long long)j->row.id);
+    return json_pack("{s:s, s:s, s:s, s:I, s:[I,I,I,I], s:I, s:[I,I], s:I}", "lease", lease, "job",
+                     job, "document", j->row.document, "tile", (json_int_t)l->tile, "rect",
+                     (json_int_t)r.x_begin, (json_int_t)r.y_begin, (json_int_t)r.x_end,
+                     (json_int_t)r.y_end, "pass", (json_int_t)l->pass, "samples",
+                     (json_int_t)p.s_begin, (json_int_t)p.s_end, "ttl_ms",
+                     (json_int_t)s->config->lease_ttl_ms);
+}
+
+static struct lease *grant(struct server *s, struct worker *w, const struct sched_pick *pick)
+{
+    struct job *j = pick->job;
+    struct lease *l =
+        lease_grant(s->leases, j, pick->tile, pick->pass, w, s->now_ms + s->config->lease_ttl_ms);
+    sched_grant(j, pick->tile, pick->pass, l->id);
+    w->leases++;
+    if (j->row.state == JOB_QUEUED) {
+        job_start(j, s->now_ms, clock_unix_ms());
+        server_job_save(s, j);
+    }
+    return l;
+}
+
+/* A pass for this worker. Where a job settles on fewer samples, that is on disk before anybody is
+ * given a pass of it. */
+static bool find_work(struct server *s, const struct worker *w, struct sched_pick *pick)
+{
+    for (;;)
+        switch (sched_next(&s->sched, w->number, s->now_ms, pick)) {
+        case SCHED_NOTHING:
+            return false;
+        case SCHED_PASS:
+            return true;
+        case SCHED_OPEN:
+            server_job_open(s, pick->job);
+            break;
+        case SCHED_SETTLE:
+            log_info("job=%016llx settles on spp=%u", (unsigned long long)pick->job->row.id,
+                     pick->job->row.target.spp);
+            server_job_save(s, pick->job);
+            break;
+        }
+}
+
+bool grant_possible(struct server *s, const struct worker *w)
+{
+    struct sched_pick pick;
+    return w->state == WORKER_ACTIVE && w->leases < GRANT_MAX_HELD && find_work(s, w, &pick);
+}
+
+json_t *grant_leases(struct server *s, struct worker *w, uint32_t want, size_t *granted)
+{
+    json_t *list = json_array();
+    *granted = 0;
+    const bool draining = w->state == WORKER_DRAINING;
+    struct sched_pick pick;
+    while (!draining && *granted < want && w->leases < GRANT_MAX_HELD && find_work(s, w, &pick)) {
+        json_array_append_new(list, lease_json(s, grant(s, w, &pick)));
+        ++*granted;
+    }
+    json_t *root = json_pack("{s:o}", "leases", list);
+    if (draining)
+        json_object_set_new(root, "drain", json_true());
+    return root;
+}
+
+/* ---- the other end ---- */
+
+static void job_fail(struct server *s, struct job *j)
+{
+    server_job_end(s, j, JOB_FAILED);
+}
+
+void grant_expired(struct server *s, struct lease *l)
+{
+    struct job *j = l->job;
+    const uint32_t tile = l->tile, pass = l->pass;
+    log_warn("lease=%016llx lapsed job=%016llx tile=%u pass=%u worker=%s",
+             (unsigned long long)l->id, (unsigned long long)j->row.id, tile, pass, l->worker->name);
+    server_lease_end(s, l);
+    s->news = true;
+    if (!job_pass_expired(j, tile, pass))
+        job_fail(s, j);
+}
+
+void grant_returned(struct server *s, struct lease *l)
+{
+    struct job *j = l->job;
+    const uint32_t tile = l->tile, pass = l->pass;
+    server_lease_end(s, l);
+    j->row.returned++;
+    job_slot_ready(j, tile, pass);
+    s->news = true;
+}
+
+void grant_failed(struct server *s, struct lease *l, const char *reason)
+{
+    struct job *j = l->job;
+    const uint32_t tile = l->tile, pass = l->pass, worker = l->worker->number;
+    log_warn("lease=%016llx failed job=%016llx tile=%u pass=%u worker=%s reason=%s",
+             (unsigned long long)l->id, (unsigned long long)j->row.id, tile, pass, l->worker->name,
+             reason);
+    server_lease_end(s, l);
+    j->row.returned++;
+    s->news = true;
+    if (!job_pass_failed(j, tile, pass, worker, reason, s->now_ms))
+        job_fail(s, j);
+}
+
+void grant_job_failed(struct server *s, struct job *j, const char *reason)
+{
+    job_fail_reason(j, reason);
+    job_fail(s, j);
+}
