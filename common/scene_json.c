@@ -56,9 +56,9 @@ struct scene_at scene_at_item(const struct scene_at *array, size_t index)
 
 bool scene_at_next(const struct scene_at *object, struct scene_at *member)
 {
-    void *iter = member->node ? json_object_iter_next(object->node,
-                                                      json_object_key_to_iter(member->key))
-                              : json_object_iter(object->node);
+    void *iter = member->node
+                     ? json_object_iter_next(object->node, json_object_key_to_iter(member->key))
+                     : json_object_iter(object->node);
     if (!iter)
         return false;
     *member = (struct scene_at){.up = object,
