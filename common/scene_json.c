@@ -190,6 +190,12 @@ bool scene_parse(struct scene *scene, const char *json, size_t bytes, enum scene
         return text_error(errors, ERR_INPUT, "line 1, column 1",
                           "not JSON: the text begins with a byte order mark", arena);
 
+    /* The library passes over a NUL behind a number. */
+    const char *nul = bytes ? memchr(json, 0, bytes) : NULL;
+    if (nul)
+        return text_error(errors, ERR_INPUT, position_print(json, (size_t)(nul - json), arena),
+                          "not JSON: a NUL byte", arena);
+
     /* Whole numbers as reals: those beyond 2^63 then get an error with their place, too. */
     json_error_t e;
     json_t *root = json_loadb(json, bytes, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &e);
