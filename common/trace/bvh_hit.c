@@ -7,14 +7,12 @@
 
 struct query {
     const struct bvh_node *nodes;
-    const uint32_t *leaf_prims;
-    const struct stage_prim *prims;
     const struct stage_triangle *triangles;
     const struct stage_sphere *spheres;
     const struct stage_disc *discs;
+    const struct ray *ray;
     struct box_ray box;
     struct tri_ray tri;
-    const struct ray *ray;
 };
 
 static bool is_finite(vec3 v)
@@ -23,59 +21,63 @@ static bool is_finite(vec3 v)
     return zero[0] == 0 && zero[1] == 0 && zero[2] == 0;
 }
 
-/* False when nothing can be hit: no tree, or a ray that is no ray. */
+bool bvh_hit_possible(const struct ray *ray)
+{
+    bool moves = false;
+    for (int k = 0; k < 3; k++)
+        moves |= __builtin_fabsf(ray->dir[k]) >= 0x1p-126f;
+    return moves && is_finite(ray->origin) && is_finite(ray->dir) && ray->t_max > 0;
+}
+
+double bvh_edge(double ax, double ay, double bx, double by)
+{
+    return tri_edge(ax, ay, bx, by);
+}
+
+/* False when nothing can be hit. */
 static bool query_make(const struct stage *s, const struct ray *ray, struct query *q)
 {
-    if (!s->nodes.count || !is_finite(ray->origin) || !is_finite(ray->dir) || !(ray->t_max > 0) ||
-        rgb_is_black(ray->dir))
+    if (!s->nodes.count || !bvh_hit_possible(ray))
         return false;
-    *q = (struct query){
-        .nodes = stage_at(s, s->nodes),
-        .leaf_prims = stage_at(s, s->leaf_prims),
-        .prims = stage_at(s, s->prims),
-        .triangles = stage_at(s, s->triangles),
-        .spheres = stage_at(s, s->spheres),
-        .discs = stage_at(s, s->discs),
-        .box = box_ray_make(ray),
-        .tri = tri_ray_make(ray),
-        .ray = ray,
-    };
+    q->nodes = stage_at(s, s->nodes);
+    q->triangles = stage_at(s, s->triangles);
+    q->spheres = stage_at(s, s->spheres);
+    q->discs = stage_at(s, s->discs);
+    q->ray = ray;
+    q->box = box_ray_make(ray, s->bounds);
+    q->tri = tri_ray_make(ray);
     return true;
 }
 
 /* The nearer one, among equals the one with the smaller number. */
-static void keep_nearer(struct ray_hit *best, struct ray_hit found)
+static void keep_nearer(struct ray_hit *best, const struct ray_hit *found, uint32_t prim)
 {
-    if (found.t < best->t || (found.t == best->t && found.prim < best->prim))
-        *best = found;
+    if (found->t < best->t || (found->t == best->t && prim < best->prim))
+        *best = (struct ray_hit){found->t, prim, found->u, found->v};
 }
 
-static void leaf_closest(const struct query *q, struct tri_ray *tri, const struct bvh_node *leaf,
-                         struct ray_hit *best)
+static void leaf_closest(const struct query *q, const struct bvh_node *leaf, struct ray_hit *best)
 {
-    const uint32_t *prims = q->leaf_prims + leaf->first;
-    const uint32_t count = leaf->count;
+    const uint32_t begin = leaf->first, end = begin + leaf->count;
+    struct ray_hit found = {0};
     switch ((enum stage_prim_kind)leaf->kind) {
     case STAGE_TRIANGLE:
-        for (uint32_t i = 0; i < count; i++) {
-            struct tri_found f;
-            tri->t_max = best->t;
-            if (tri_hit(tri, q->triangles[q->prims[prims[i]].index].v, &f))
-                keep_nearer(best, (struct ray_hit){f.t, prims[i], f.u, f.v});
-        }
+        for (uint32_t i = begin; i < end; i++)
+            if (tri_hit(&q->tri, q->triangles[i].v, best->t, &found))
+                keep_nearer(best, &found, q->triangles[i].prim);
         return;
     case STAGE_SPHERE:
-        for (uint32_t i = 0; i < count; i++) {
-            float t;
-            if (sphere_hit(q->ray, &q->spheres[q->prims[prims[i]].index], best->t, &t))
-                keep_nearer(best, (struct ray_hit){t, prims[i], 0, 0});
+        for (uint32_t i = begin; i < end; i++) {
+            found.t = (float)sphere_t(q->ray, &q->spheres[i]);
+            if (found.t > 0)
+                keep_nearer(best, &found, q->spheres[i].prim);
         }
         return;
     case STAGE_DISC:
-        for (uint32_t i = 0; i < count; i++) {
-            float t;
-            if (sphere_disc_hit(q->ray, &q->discs[q->prims[prims[i]].index], best->t, &t))
-                keep_nearer(best, (struct ray_hit){t, prims[i], 0, 0});
+        for (uint32_t i = begin; i < end; i++) {
+            found.t = (float)sphere_disc_t(q->ray, &q->discs[i]);
+            if (found.t > 0)
+                keep_nearer(best, &found, q->discs[i].prim);
         }
         return;
     }
@@ -87,71 +89,64 @@ bool bvh_hit_closest(const struct stage *s, const struct ray *ray, struct ray_hi
     struct query q;
     if (!query_make(s, ray, &q))
         return false;
-    /* An entry is pushed for the farther child of each level at most. */
-    struct {
+    struct { /* the farther children that wait: at most one per level */
         uint32_t node;
         float t;
     } stack[BVH_MAX_DEPTH];
-    int depth = 0;
-    struct tri_ray tri = q.tri;
-    struct ray_hit best = {ray->t_max, STAGE_NONE, 0, 0};
-    float t;
-    if (!box_hit(&q.box, q.nodes[0].lo, q.nodes[0].hi, best.t, &t))
-        return false;
-    uint32_t at = 0;
+    uint32_t waiting = 0, at = 0;
+    struct ray_hit best = {ray->t_max, 0, 0, 0}; /* prim 0: a hit at t_max itself is not nearer */
     for (;;) {
         const struct bvh_node *node = &q.nodes[at];
         if (node->count) {
-            leaf_closest(&q, &tri, node, &best);
+            leaf_closest(&q, node, &best);
         } else {
             const struct bvh_node *child = &q.nodes[node->first];
             float t0, t1;
-            const bool hit0 = box_hit(&q.box, child[0].lo, child[0].hi, best.t, &t0);
-            const bool hit1 = box_hit(&q.box, child[1].lo, child[1].hi, best.t, &t1);
-            const uint32_t near = node->first + (hit1 && (!hit0 || t1 < t0));
+            const bool hit0 = box_hit(&q.box, child[0].plane, best.t, &t0);
+            const bool hit1 = box_hit(&q.box, child[1].plane, best.t, &t1);
+            const uint32_t second_is_near = hit1 && (!hit0 || t1 < t0);
+            at = node->first + second_is_near;
             if (hit0 && hit1) {
-                stack[depth].node = 2 * node->first + 1 - near;
-                stack[depth++].t = t0 < t1 ? t1 : t0;
+                stack[waiting].node = node->first + 1 - second_is_near;
+                stack[waiting++].t = second_is_near ? t0 : t1;
             }
-            if (hit0 || hit1) {
-                at = near;
+            if (hit0 || hit1)
                 continue;
-            }
         }
         /* Boxes as near as the best hit are still opened: an equal hit may have a smaller number. */
         do {
-            if (!depth) {
+            if (!waiting) {
                 *hit = best;
-                return best.prim != STAGE_NONE && best.t < ray->t_max;
+                return best.t < ray->t_max;
             }
-            depth--;
-        } while (!(stack[depth].t <= best.t));
-        at = stack[depth].node;
+            waiting--;
+        } while (stack[waiting].t > best.t);
+        at = stack[waiting].node;
     }
 }
 
 static bool leaf_any(const struct query *q, const struct bvh_node *leaf)
 {
-    const uint32_t *prims = q->leaf_prims + leaf->first;
-    const uint32_t count = leaf->count;
+    const uint32_t begin = leaf->first, end = begin + leaf->count;
     const float t_max = q->ray->t_max;
+    struct ray_hit found;
     bool hit = false;
-    float t = t_max;
     switch ((enum stage_prim_kind)leaf->kind) {
     case STAGE_TRIANGLE:
-        for (uint32_t i = 0; i < count && !hit; i++) {
-            struct tri_found f;
-            hit = tri_hit(&q->tri, q->triangles[q->prims[prims[i]].index].v, &f) && f.t < t_max;
-        }
+        for (uint32_t i = begin; i < end && !hit; i++)
+            hit = tri_hit(&q->tri, q->triangles[i].v, t_max, &found) && found.t < t_max;
         return hit;
     case STAGE_SPHERE:
-        for (uint32_t i = 0; i < count && !hit; i++)
-            hit = sphere_hit(q->ray, &q->spheres[q->prims[prims[i]].index], t_max, &t) && t < t_max;
+        for (uint32_t i = begin; i < end && !hit; i++) {
+            const float t = (float)sphere_t(q->ray, &q->spheres[i]);
+            hit = t > 0 && t < t_max;
+        }
         return hit;
     case STAGE_DISC:
-        for (uint32_t i = 0; i < count && !hit; i++)
-            hit = sphere_disc_hit(q->ray, &q->discs[q->prims[prims[i]].index], t_max, &t) &&
-                  t < t_max;
+        for (uint32_t i = begin; i < end && !hit; i++) {
+            const float t = (float)sphere_disc_t(q->ray, &q->discs[i]);
+            hit = t > 0 && t < t_max;
+        }
         return hit;
     }
     __builtin_unreachable();
@@ -162,20 +157,27 @@ bool bvh_hit_any(const struct stage *s, const struct ray *ray)
     struct query q;
     if (!query_make(s, ray, &q))
         return false;
-    uint32_t stack[BVH_MAX_DEPTH + 1];
-    int depth = 0;
-    stack[depth++] = 0;
-    while (depth) {
-        const struct bvh_node *node = &q.nodes[stack[--depth]];
-        float t;
-        if (!box_hit(&q.box, node->lo, node->hi, ray->t_max, &t))
-            continue;
-        if (!node->count) {
-            stack[depth++] = node->first + 1;
-            stack[depth++] = node->first;
-        } else if (leaf_any(&q, node)) {
-            return true;
+    uint32_t stack[BVH_MAX_DEPTH]; /* at most one waits per level */
+    uint32_t waiting = 0, at = 0;
+    for (;;) {
+        const struct bvh_node *node = &q.nodes[at];
+        if (node->count) {
+            if (leaf_any(&q, node))
+                return true;
+        } else {
+            const struct bvh_node *child = &q.nodes[node->first];
+            float t0, t1;
+            const bool hit0 = box_hit(&q.box, child[0].plane, ray->t_max, &t0);
+            const bool hit1 = box_hit(&q.box, child[1].plane, ray->t_max, &t1);
+            const uint32_t second_is_near = hit1 && (!hit0 || t1 < t0);
+            at = node->first + second_is_near;
+            if (hit0 && hit1)
+                stack[waiting++] = node->first + 1 - second_is_near;
+            if (hit0 || hit1)
+                continue;
         }
+        if (!waiting)
+            return false;
+        at = stack[--waiting];
     }
-    return false;
 }

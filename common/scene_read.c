@@ -1,0 +1,213 @@
+/* The document as a whole: film, camera, settings; the rest in files of their own.
+ * SPDX-License-Identifier: MIT */
+#include "common/scene_read.h"
+
+#include "common/scene_check.h"
+
+static const struct scene_range coordinate = {-SCENE_MAX_ABS, SCENE_MAX_ABS, false};
+
+static void read_filter(struct scene_doc *doc, const struct scene_at *at, struct scene_film *film)
+{
+    static const char *const kinds[] = {[FILTER_BOX] = "box", [FILTER_TENT] = "tent"};
+    static const double default_radius[] = {[FILTER_BOX] = .5, [FILTER_TENT] = 1};
+    static const struct scene_key keys[] = {{"type", true}, {"radius", false}};
+    size_t kind;
+    scene_doc_object(doc, at, "the filter", keys, countof(keys));
+    struct scene_at type;
+    if (!scene_at_member(at, "type", &type) ||
+        !scene_doc_choice(doc, &type, kinds, countof(kinds), &kind))
+        return;
+    double radius = default_radius[kind];
+    scene_key_number(doc, at, "radius", (struct scene_range){.1, 16, false}, &radius);
+    film->filter = (enum filter_kind)kind;
+    film->filter_radius_px = (float)radius;
+}
+
+static void read_crop(struct scene_doc *doc, const struct scene_at *at, bool size_known,
+                      struct scene_film *film)
+{
+    static const struct scene_range px = {0, SCENE_MAX_SIDE_PX, false};
+    if (scene_at_type(at) != SCENE_ARRAY || scene_at_count(at) != 4) {
+        scene_doc_expected(doc, at, ERR_INPUT, "[x_begin, y_begin, x_end, y_end]");
+        return;
+    }
+    uint64_t v[4];
+    bool good = true;
+    for (size_t i = 0; i < 4; i++) {
+        const struct scene_at item = scene_at_item(at, i);
+        good &= scene_doc_integer(doc, &item, px, &v[i]);
+    }
+    if (!good || !size_known)
+        return;
+    film->crop_x_begin = (uint32_t)v[0];
+    film->crop_y_begin = (uint32_t)v[1];
+    film->crop_x_end = (uint32_t)v[2];
+    film->crop_y_end = (uint32_t)v[3];
+    struct err err;
+    if (!scene_check_crop(film, &err)) {
+        scene_doc_fault(doc, at, err.code, "%s", err.text);
+        film->crop_x_begin = film->crop_x_end = 0; /* nothing to count */
+    }
+}
+
+static void read_film(struct scene_doc *doc, const struct scene_at *at, struct scene_film *film)
+{
+    static const struct scene_key keys[] = {
+        {"width", true}, {"height", true}, {"filter", false}, {"crop", false}};
+    static const struct scene_range side = {1, SCENE_MAX_SIDE_PX, true};
+    uint64_t width = 0, height = 0;
+    scene_doc_object(doc, at, "the film", keys, countof(keys));
+    bool size_known = scene_key_integer(doc, at, "width", side, &width);
+    size_known &= scene_key_integer(doc, at, "height", side, &height);
+    size_known &= width && height;
+    *film = (struct scene_film){.width_px = (uint32_t)width,
+                                .height_px = (uint32_t)height,
+                                .crop_x_end = (uint32_t)width,
+                                .crop_y_end = (uint32_t)height,
+                                .filter = FILTER_BOX,
+                                .filter_radius_px = .5f};
+    struct scene_at member;
+    if (scene_at_member(at, "filter", &member))
+        read_filter(doc, &member, film);
+    if (scene_at_member(at, "crop", &member))
+        read_crop(doc, &member, size_known, film);
+    struct err err;
+    if (size_known && !scene_check_pixels(film, &err))
+        scene_doc_fault(doc, at, err.code, "%s", err.text);
+}
+
+static bool read_look_at(struct scene_doc *doc, const struct scene_at *at, struct scene_xform *x)
+{
+    static const struct scene_key keys[] = {{"from", true}, {"to", true}, {"up", false}};
+    double from[3], to[3], up[3] = {0, 1, 0};
+    bool good = scene_doc_object(doc, at, "look_at", keys, countof(keys));
+    good &= scene_key_numbers(doc, at, "from", coordinate, from, 3);
+    good &= scene_key_numbers(doc, at, "to", coordinate, to, 3);
+    good &= scene_key_numbers(doc, at, "up", coordinate, up, 3);
+    if (!good)
+        return false;
+    if (from[0] == to[0] && from[1] == to[1] && from[2] == to[2])
+        return scene_doc_fault(doc, at, ERR_INPUT,
+                               "expected two different points, \"from\" and \"to\" are both "
+                               "[%g, %g, %g]",
+                               to[0], to[1], to[2]);
+    if (scene_length(up) == 0)
+        return scene_doc_fault(doc, at, ERR_INPUT, "expected an \"up\" with a length, got 0");
+    if (!scene_xform_look_at(x, from, to, up))
+        return scene_doc_fault(doc, at, ERR_INPUT,
+                               "expected an \"up\" that is not along the view, got [%g, %g, %g]",
+                               up[0], up[1], up[2]);
+    return true;
+}
+
+static bool read_camera_matrix(struct scene_doc *doc, const struct scene_at *at,
+                               struct scene_xform *x)
+{
+    struct err err;
+    if (!scene_read_matrix(doc, at, x))
+        return false;
+    return scene_check_rigid(x, &err) || scene_doc_fault(doc, at, err.code, "%s", err.text);
+}
+
+static void read_camera(struct scene_doc *doc, const struct scene_at *at, struct scene_camera *out)
+{
+    static const char *const kinds[] = {"perspective"};
+    static const struct scene_key keys[] = {
+        {"type", true}, {"fov_deg", true}, {"look_at", false}, {"matrix", false}};
+    size_t kind;
+    if (!scene_doc_kind(doc, at, "the camera", kinds, countof(kinds), &kind))
+        return;
+    double fov_deg = 0;
+    struct scene_xform x = scene_xform_identity();
+    struct scene_at look_at, matrix;
+    scene_doc_object(doc, at, "the camera", keys, countof(keys));
+    scene_key_number(doc, at, "fov_deg", (struct scene_range){.001, 179.9, false}, &fov_deg);
+    const bool has_look_at = scene_at_member(at, "look_at", &look_at);
+    const bool has_matrix = scene_at_member(at, "matrix", &matrix);
+    if (has_look_at == has_matrix)
+        scene_doc_fault(doc, at, ERR_INPUT,
+                        "the camera needs \"look_at\" or \"matrix\", got %s",
+                        has_matrix ? "both" : "neither");
+    else if (has_look_at)
+        read_look_at(doc, &look_at, &x);
+    else
+        read_camera_matrix(doc, &matrix, &x);
+    out->to_world = scene_xform_round(&x);
+    out->fov_y_rad = (float)(fov_deg * (3.14159265358979323846 / 180));
+}
+
+static void read_target(struct scene_doc *doc, const struct scene_at *at, struct scene_target *out)
+{
+    static const struct scene_key keys[] = {{"error", false}, {"spp", false}, {"seconds", false}};
+    if (scene_at_type(at) == SCENE_OBJECT && scene_at_count(at) == 0) {
+        scene_doc_fault(doc, at, ERR_INPUT,
+                        "the target needs at least one of \"error\", \"spp\" and \"seconds\"");
+        return;
+    }
+    scene_doc_object(doc, at, "the target", keys, countof(keys));
+    uint64_t spp = SCENE_MAX_SPP;
+    scene_key_number(doc, at, "error", (struct scene_range){1e-5, 1, false}, &out->error);
+    scene_key_integer(doc, at, "spp", (struct scene_range){1, SCENE_MAX_SPP, true}, &spp);
+    scene_key_number(doc, at, "seconds", (struct scene_range){.01, 1e7, true}, &out->seconds);
+    out->spp = (uint32_t)spp;
+}
+
+static void read_settings(struct scene_doc *doc, const struct scene_at *at,
+                          struct scene_settings *out)
+{
+    static const char *const integrators[] = {[INTEGRATOR_PATH] = "path"};
+    static const struct scene_key keys[] = {
+        {"integrator", false}, {"max_bounces", false}, {"seed", false}, {"target", false}};
+    struct scene_at member;
+    size_t integrator = INTEGRATOR_PATH;
+    uint64_t bounces = out->max_bounces;
+    scene_doc_object(doc, at, "the settings", keys, countof(keys));
+    if (scene_at_member(at, "integrator", &member))
+        scene_doc_choice(doc, &member, integrators, countof(integrators), &integrator);
+    scene_key_integer(doc, at, "max_bounces", (struct scene_range){0, SCENE_MAX_BOUNCES, true},
+                      &bounces);
+    /* To 2^53 - 1: beyond, two whole numbers may read as one. */
+    scene_key_integer(doc, at, "seed", (struct scene_range){0, 9007199254740991., false},
+                      &out->seed);
+    if (scene_at_member(at, "target", &member))
+        read_target(doc, &member, &out->target);
+    out->integrator = (enum integrator_kind)integrator;
+    out->max_bounces = (uint32_t)bounces;
+}
+
+static void read_version(struct scene_doc *doc, const struct scene_at *whole)
+{
+    struct scene_at at;
+    if (!scene_at_member(whole, "smalti", &at))
+        return;
+    if (scene_at_type(&at) != SCENE_NUMBER || scene_at_number(&at) != 1)
+        scene_doc_expected(doc, &at, ERR_INPUT, "1 (the version of this format)");
+}
+
+void scene_read(struct scene_doc *doc, const struct scene_at *whole, struct scene *scene)
+{
+    static const struct scene_key keys[] = {
+        {"smalti", true}, {"title", false},  {"film", true},   {"camera", true},
+        {"materials", true}, {"shapes", true}, {"lights", false}, {"settings", false}};
+    scene->title = "";
+    scene->settings = (struct scene_settings){
+        .integrator = INTEGRATOR_PATH, .max_bounces = 64, .target = {.spp = 64}};
+    scene_doc_object(doc, whole, "the document", keys, countof(keys));
+    read_version(doc, whole);
+    struct scene_at at;
+    struct scene_names names = {0};
+    if (scene_at_member(whole, "title", &at))
+        scene_doc_text(doc, &at, 0, SCENE_MAX_NAME, &scene->title);
+    if (scene_at_member(whole, "film", &at))
+        read_film(doc, &at, &scene->film);
+    if (scene_at_member(whole, "camera", &at))
+        read_camera(doc, &at, &scene->camera);
+    if (scene_at_member(whole, "materials", &at))
+        names = scene_read_materials(doc, &at, scene);
+    if (scene_at_member(whole, "shapes", &at))
+        scene_read_shapes(doc, &at, &names, scene);
+    if (scene_at_member(whole, "lights", &at))
+        scene_read_lights(doc, &at, scene);
+    if (scene_at_member(whole, "settings", &at))
+        read_settings(doc, &at, &scene->settings);
+}

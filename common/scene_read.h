@@ -1,0 +1,35 @@
+/* scene_read.h - the parts of a document, each read into its part of the scene.
+ *
+ * Private to the scene reader. Each function goes on after a fault and fills what was good; the
+ * scene may be used only when the document has no fault at all.
+ * SPDX-License-Identifier: MIT */
+#ifndef COMMON_SCENE_READ_H
+#define COMMON_SCENE_READ_H
+
+#include "common/scene_doc.h"
+
+struct scene_name { /* of a material */
+    const char *name;
+    uint32_t index;
+};
+
+struct scene_names {
+    struct scene_name *sorted; /* by name, in the document's arena */
+    uint32_t count;
+    bool known; /* false: the document's materials are no object, so nobody can say what dangles */
+};
+
+void scene_read(struct scene_doc *, const struct scene_at *whole, struct scene *);
+
+struct scene_names scene_read_materials(struct scene_doc *, const struct scene_at *, struct scene *);
+void scene_read_shapes(struct scene_doc *, const struct scene_at *, const struct scene_names *,
+                       struct scene *);
+void scene_read_lights(struct scene_doc *, const struct scene_at *, struct scene *);
+void scene_read_mesh(struct scene_doc *, const struct scene_at *shape, struct mesh *);
+
+/* scene_xform.h's map from a list of steps or a matrix. */
+struct scene_xform;
+bool scene_read_matrix(struct scene_doc *, const struct scene_at *, struct scene_xform *);
+bool scene_read_transform(struct scene_doc *, const struct scene_at *, struct scene_xform *);
+
+#endif

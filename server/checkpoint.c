@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: MIT */
+#include "server/checkpoint.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "common/buf.h"
+#include "server/disk.h"
+
+enum { VERSION = 1, STEP = 1 << 20 };
+
+static const char magic[8] = {'S', 'M', 'L', 'T', 'F', 'I', 'L', 'M'};
+
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "arrays are written as they lie");
+
+/* ---- the parts, in file order ---- */
+
+static void head_write(const struct checkpoint *c, struct buf *out)
+{
+    const struct store_job *row = &c->row;
+    const struct tile_rect w = row->crop;
+    buf_append(out, magic, sizeof magic);
+    buf_u32(out, VERSION);
+    buf_u32(out, c->tile_count);
+    buf_u64(out, row->id);
+    buf_u64(out, c->generation);
+    const uint32_t shape[] = {w.x_begin, w.y_begin, w.x_end, w.y_end, row->tile_px,
+                              c->film.key_count};
+    for (size_t i = 0; i < countof(shape); i++)
+        buf_u32(out, shape[i]);
+    const uint64_t counters[] = {row->samples, row->passes_done, row->cpu_us,
+                                 c->film.invalid_count, (uint64_t)row->elapsed_ms};
+    for (size_t i = 0; i < countof(counters); i++)
+        buf_u64(out, counters[i]);
+    for (uint32_t i = 0; i < c->film.key_count; i++) {
+        buf_u32(out, c->film.keys[i].x_px);
+        buf_u32(out, c->film.keys[i].y_px);
+        buf_u32(out, c->film.keys[i].sample);
+    }
+}
+
+enum { HEAD_BYTES = 8 + 4 + 4 + 8 + 8 + 6 * 4 + 5 * 8, ARRAYS = 4 };
+
+struct span {
+    void *data;
+    size_t bytes;
+};
+
+static void arrays_of(const struct checkpoint *c, struct span out[ARRAYS])
+{
+    const size_t pixels = tile_rect_pixels(c->row.crop);
+    out[0] = (struct span){c->merged, c->tile_count * sizeof *c->merged};
+    out[1] = (struct span){c->film.sum, pixels * 3 * sizeof *c->film.sum};
+    out[2] = (struct span){c->film.replicate, pixels * FILM_CHANNELS * sizeof *c->film.replicate};
+    out[3] = (struct span){c->film.spp, pixels * sizeof *c->film.spp};
+}
+
+/* ---- writing ---- */
+
+static bool put(struct disk_file *f, struct hash *h, const void *data, size_t bytes,
+                struct err *err)
+{
+    hash_add(h, data, bytes);
+    return disk_write(f, data, bytes, err);
+}
+
+static bool write_all(const struct checkpoint *c, struct disk_file *f, struct err *err)
+{
+    struct buf head = {0};
+    struct span arrays[ARRAYS];
+    struct hash *h = hash_new();
+    char hex[HASH_HEX];
+    head_write(c, &head);
+    arrays_of(c, arrays);
+    bool ok = put(f, h, head.data, head.size, err);
+    for (int i = 0; ok && i < ARRAYS; i++)
+        ok = put(f, h, arrays[i].data, arrays[i].bytes, err);
+    buf_release(&head);
+    hash_finish(h, hex);
+    return ok && disk_write(f, hex, HASH_HEX - 1, err);
+}
+
+bool checkpoint_write(const struct checkpoint *c, const char *path, struct err *err)
+{
+    struct disk_file f;
+    if (!disk_create(&f, path, err))
+        return false;
+    if (!write_all(c, &f, err)) {
+        disk_abort(&f);
+        return false;
+    }
+    return disk_commit(&f, err);
+}
+
+/* ---- reading ---- */
+
+struct source {
+    int fd;
+    const char *path;
+    struct hash *hash;
+};
+
+static bool get(struct source *s, void *data, size_t bytes, struct err *err)
+{
+    char *at = data;
+    while (bytes) {
+        const ssize_t n = read(s->fd, at, min_size(bytes, STEP));
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n <= 0)
+            return n < 0 ? err_set(err, ERR_IO, "%s: %s", s->path, strerror(errno))
+                         : err_set(err, ERR_INPUT, "%s: film is cut short", s->path);
+        hash_add(s->hash, at, (size_t)n);
+        at += n;
+        bytes -= (size_t)n;
+    }
+    return true;
+}
+
+static bool read_head(struct source *s, struct checkpoint *c, struct err *err)
+{
+    unsigned char bytes[HEAD_BYTES];
+    if (!get(s, bytes, sizeof bytes, err))
+        return false;
+    struct buf_reader r = buf_reader_make(bytes, sizeof bytes);
+    struct store_job *row = &c->row;
+    const struct tile_rect w = row->crop;
+    bool ok = !memcmp(buf_read(&r, sizeof magic), magic, sizeof magic);
+    ok &= buf_read_u32(&r) == VERSION;
+    ok &= buf_read_u32(&r) == c->tile_count;
+    ok &= buf_read_u64(&r) == row->id;
+    c->generation = buf_read_u64(&r);
+    const uint32_t shape[] = {w.x_begin, w.y_begin, w.x_end, w.y_end, row->tile_px};
+    for (size_t i = 0; i < countof(shape); i++)
+        ok &= buf_read_u32(&r) == shape[i];
+    c->film.key_count = buf_read_u32(&r);
+    row->samples = buf_read_u64(&r);
+    row->passes_done = buf_read_u64(&r);
+    row->cpu_us = buf_read_u64(&r);
+    c->film.invalid_count = buf_read_u64(&r);
+    row->elapsed_ms = (int64_t)buf_read_u64(&r);
+    assert(!r.failed && r.at == r.end);
+    ok &= c->film.key_count <= FILM_MAX_KEYS;
+    return ok || err_set(err, ERR_INPUT, "%s: not a film of this job", s->path);
+}
+
+static bool read_keys(struct source *s, struct checkpoint *c, struct err *err)
+{
+    unsigned char bytes[FILM_MAX_KEYS * 12];
+    const size_t n = c->film.key_count * (size_t)12;
+    if (!get(s, bytes, n, err))
+        return false;
+    struct buf_reader r = buf_reader_make(bytes, n);
+    for (uint32_t i = 0; i < c->film.key_count; i++) {
+        c->film.keys[i].x_px = buf_read_u32(&r);
+        c->film.keys[i].y_px = buf_read_u32(&r);
+        c->film.keys[i].sample = buf_read_u32(&r);
+    }
+    return true;
+}
+
+static bool read_close(struct source *s, struct err *err)
+{
+    char want[HASH_HEX] = {0}, have[HASH_HEX], extra;
+    hash_finish(s->hash, have);
+    s->hash = hash_new(); /* the digits themselves do not count */
+    if (!get(s, want, HASH_HEX - 1, err))
+        return false;
+    if (strcmp(want, have) != 0 || read(s->fd, &extra, 1) != 0)
+        return err_set(err, ERR_INPUT, "%s: film is damaged", s->path);
+    return true;
+}
+
+/* film_merge asserts what this checks. */
+static bool passes_agree(const struct checkpoint *c)
+{
+    const struct tile_grid grid = tile_grid_make(c->row.crop, c->row.tile_px);
+    const struct tile_rect w = c->row.crop;
+    const size_t width = w.x_end - w.x_begin;
+    for (uint32_t t = 0; t < c->tile_count; t++) {
+        if (c->merged[t] > tile_pass_count(c->row.target.spp))
+            return false;
+        const uint32_t spp =
+            c->merged[t] ? tile_pass_of(c->merged[t] - 1, c->row.target.spp).s_end : 0;
+        const struct tile_rect r = tile_rect_of(&grid, t);
+        for (uint32_t y = r.y_begin; y < r.y_end; y++)
+            for (uint32_t x = r.x_begin; x < r.x_end; x++)
+                if (c->film.spp[(y - w.y_begin) * width + (x - w.x_begin)] != spp)
+                    return false;
+    }
+    return true;
+}
+
+static bool read_all(struct source *s, struct checkpoint *c, struct err *err)
+{
+    struct span arrays[ARRAYS];
+    if (!read_head(s, c, err) || !read_keys(s, c, err))
+        return false;
+    arrays_of(c, arrays);
+    for (int i = 0; i < ARRAYS; i++)
+        if (!get(s, arrays[i].data, arrays[i].bytes, err))
+            return false;
+    if (!read_close(s, err))
+        return false;
+    return passes_agree(c) ||
+           err_set(err, ERR_INPUT, "%s: the film's passes and samples differ", s->path);
+}
+
+bool checkpoint_read(struct checkpoint *c, const char *path, struct err *err)
+{
+    struct source s = {.fd = open(path, O_RDONLY | O_CLOEXEC), .path = path};
+    if (s.fd < 0)
+        return err_set(err, errno == ENOENT ? ERR_NOT_FOUND : ERR_IO, "%s: %s", path,
+                       strerror(errno));
+    const struct store_job expected = c->row;
+    char unused[HASH_HEX];
+    film_init(&c->film, c->row.crop);
+    c->merged = arena_malloc(c->tile_count, sizeof *c->merged);
+    s.hash = hash_new();
+    const bool ok = read_all(&s, c, err);
+    hash_finish(s.hash, unused);
+    close(s.fd);
+    if (!ok) {
+        checkpoint_release(c);
+        c->row = expected;
+        return false;
+    }
+    c->row.invalid_count = c->film.invalid_count;
+    c->row.key_count = c->film.key_count;
+    memcpy(c->row.keys, c->film.keys, sizeof c->row.keys);
+    return true;
+}
+
+void checkpoint_release(struct checkpoint *c)
+{
+    film_release(&c->film);
+    free(c->merged);
+    c->merged = NULL;
+}

@@ -1,0 +1,27 @@
+/* image.h - a resolved image to files that are whole at every moment (disk.h).
+ *
+ * image_write_exr: one part, scan lines, float32 and uint32 channels under their own names; the
+ * facts are attributes and never touch a pixel. image_write_png: R G B at exposure 1 as 8-bit sRGB.
+ * Any one thread per path. Errors: ERR_IO.
+ * SPDX-License-Identifier: MIT */
+#ifndef SERVER_IMAGE_H
+#define SERVER_IMAGE_H
+
+#include "common/err.h"
+#include "common/image.h"
+
+struct image_facts {
+    const char *job, *document, *target; /* target: JSON text */
+    const char *digest;                  /* image_digest of the image */
+    float error;                         /* reached; +infinity: unknown */
+    float cpu_seconds;
+    uint32_t spp; /* every pixel has at least these */
+};
+
+enum image_packing { IMAGE_PLAIN, IMAGE_ZIP }; /* plain: cheap, for images that are soon replaced */
+
+bool image_write_exr(const struct image *, const struct image_facts *, enum image_packing,
+                     const char *path, struct err *) MUST_CHECK;
+bool image_write_png(const struct image *, const char *path, struct err *) MUST_CHECK;
+
+#endif

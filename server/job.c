@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: MIT */
+#include "server/job.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct job *job_new(const struct store_job *row)
+{
+    struct job *j = arena_malloc(1, sizeof *j);
+    j->row = *row;
+    j->grid = tile_grid_make(row->crop, row->tile_px);
+    j->tile_count = tile_count(&j->grid);
+    j->pixels = tile_rect_pixels(row->crop);
+    j->running_from_ms = -1;
+    return j;
+}
+
+void job_free(struct job *j)
+{
+    job_close(j);
+    free(j);
+}
+
+/* ---- memory ---- */
+
+void job_open(struct job *j, struct film *film, const uint32_t *merged)
+{
+    assert(!j->open);
+    j->film = *film;
+    *film = (struct film){0};
+    j->tiles = arena_malloc(j->tile_count, sizeof *j->tiles);
+    uint32_t most = 0, least = UINT32_MAX;
+    for (uint32_t t = 0; merged && t < j->tile_count; t++) {
+        j->tiles[t].merged = merged[t];
+        most = max_u32(most, merged[t]);
+        least = min_u32(least, merged[t]);
+    }
+    j->rounds_done = merged ? least : 0;
+    for (uint32_t t = 0; t < j->tile_count; t++)
+        j->tiles_ahead += j->tiles[t].merged > j->rounds_done;
+    /* What is merged was judged and decided before: a round that nobody has begun was not. */
+    j->rounds_judged = most > 0 ? most - 1 : 0;
+    j->rounds_decided = max_u32(most, 1);
+    j->cursor_pass = j->rounds_done;
+    j->open = true;
+}
+
+void job_close(struct job *j)
+{
+    if (!j->open)
+        return;
+    for (uint32_t t = 0; t < j->tile_count; t++)
+        for (int i = 0; i < JOB_LOOKAHEAD; i++)
+            free(j->tiles[t].slots[i].held);
+    free(j->tiles);
+    free(j->troubles);
+    film_release(&j->film);
+    j->tiles = NULL;
+    j->troubles = NULL;
+    j->trouble_count = j->trouble_capacity = 0;
+    j->rounds_done = j->tiles_ahead = j->rounds_judged = j->rounds_decided = 0;
+    j->cursor_pass = j->cursor_tile = 0;
+    j->held_bytes = 0;
+    j->open = false;
+}
+
+uint64_t job_film_bytes(const struct job *j)
+{
+    struct film f = {.window = j->row.crop};
+    return film_bytes(&f) + (uint64_t)j->tile_count * sizeof *j->tiles;
+}
+
+/* ---- what it is ---- */
+
+bool job_is_over(const struct job *j)
+{
+    switch (j->row.state) {
+    case JOB_QUEUED:
+    case JOB_RUNNING:
+    case JOB_PAUSED:
+        return false;
+    case JOB_DONE:
+    case JOB_FAILED:
+    case JOB_CANCELLED:
+        return true;
+    }
+    __builtin_unreachable();
+}
+
+uint32_t job_passes(const struct job *j)
+{
+    return tile_pass_count(j->row.target.spp);
+}
+
+int64_t job_elapsed_ms(const struct job *j, int64_t now_ms)
+{
+    return j->row.elapsed_ms + (j->running_from_ms >= 0 ? now_ms - j->running_from_ms : 0);
+}
+
+void job_touch(struct job *j)
+{
+    j->version++;
+}
+
+void job_clock(struct job *j, int64_t now_ms)
+{
+    j->row.elapsed_ms = job_elapsed_ms(j, now_ms);
+    if (j->running_from_ms >= 0)
+        j->running_from_ms = now_ms;
+}
+
+/* ---- transitions ---- */
+
+void job_start(struct job *j, int64_t now_ms, int64_t unix_ms)
+{
+    assert(j->row.state == JOB_QUEUED);
+    j->row.state = JOB_RUNNING;
+    j->row.started_unix_ms = unix_ms;
+    j->running_from_ms = now_ms;
+    job_touch(j);
+}
+
+void job_pause(struct job *j, int64_t now_ms)
+{
+    assert(j->row.state == JOB_QUEUED || j->row.state == JOB_RUNNING);
+    job_clock(j, now_ms);
+    j->running_from_ms = -1;
+    j->row.state = JOB_PAUSED;
+    j->rate = (struct rate){0};
+    job_touch(j);
+}
+
+/* One that never had a lease is queued again; also how a running job comes back after a restart. */
+void job_resume(struct job *j, int64_t now_ms)
+{
+    assert(j->row.state == JOB_PAUSED || (j->row.state == JOB_RUNNING && j->running_from_ms < 0));
+    j->row.state = j->row.started_unix_ms ? JOB_RUNNING : JOB_QUEUED;
+    j->running_from_ms = j->row.started_unix_ms ? now_ms : -1;
+    job_touch(j);
+}
+
+void job_end(struct job *j, enum job_state state, int64_t now_ms, int64_t unix_ms)
+{
+    assert(!job_is_over(j));
+    assert(state == JOB_DONE || state == JOB_FAILED || state == JOB_CANCELLED);
+    job_clock(j, now_ms);
+    j->running_from_ms = -1;
+    j->row.state = state;
+    j->row.finished_unix_ms = unix_ms;
+    job_touch(j);
+}
+
+/* ---- passes ---- */
+
+bool job_in_window(const struct job *j, uint32_t tile, uint32_t pass)
+{
+    const uint32_t merged = j->tiles[tile].merged;
+    return pass >= merged && pass - merged < JOB_LOOKAHEAD && pass < job_passes(j);
+}
+
+struct job_slot *job_slot(struct job *j, uint32_t tile, uint32_t pass)
+{
+    assert(job_in_window(j, tile, pass));
+    return &j->tiles[tile].slots[pass % JOB_LOOKAHEAD];
+}
+
+void job_slot_ready(struct job *j, uint32_t tile, uint32_t pass)
+{
+    struct job_slot *s = job_slot(j, tile, pass);
+    assert(s->state == SLOT_LEASED || s->state == SLOT_SHUNNED);
+    *s = (struct job_slot){.state = SLOT_READY};
+    if (pass < j->cursor_pass || (pass == j->cursor_pass && tile < j->cursor_tile)) {
+        j->cursor_pass = pass;
+        j->cursor_tile = tile;
+    }
+}
+
+static struct job_trouble *trouble_find(struct job *j, uint32_t tile, uint32_t pass)
+{
+    for (uint32_t i = 0; i < j->trouble_count; i++)
+        if (j->troubles[i].tile == tile && j->troubles[i].pass == pass)
+            return &j->troubles[i];
+    return NULL;
+}
+
+struct job_trouble *job_trouble_of(struct job *j, uint32_t tile, uint32_t pass)
+{
+    struct job_trouble *t = trouble_find(j, tile, pass);
+    if (t)
+        return t;
+    if (j->trouble_count == j->trouble_capacity) {
+        j->trouble_capacity = j->trouble_capacity ? 2 * j->trouble_capacity : 8;
+        j->troubles = arena_realloc(j->troubles, j->trouble_capacity, sizeof *j->troubles);
+    }
+    t = &j->troubles[j->trouble_count++];
+    *t = (struct job_trouble){.tile = tile, .pass = pass};
+    return t;
+}
+
+void job_trouble_forget(struct job *j, uint32_t tile, uint32_t pass)
+{
+    struct job_trouble *t = trouble_find(j, tile, pass);
+    if (t)
+        *t = j->troubles[--j->trouble_count];
+}
+
+static bool give_up(struct job *j, uint32_t tile, uint32_t pass)
+{
+    j->row.failure.has_pass = true;
+    j->row.failure.tile = tile;
+    j->row.failure.pass = pass;
+    return false;
+}
+
+bool job_pass_expired(struct job *j, uint32_t tile, uint32_t pass)
+{
+    j->row.expired++;
+    job_touch(j);
+    job_slot_ready(j, tile, pass);
+    struct job_trouble *t = job_trouble_of(j, tile, pass);
+    if (++t->expiries < JOB_MAX_EXPIRIES)
+        return true;
+    snprintf(j->row.failure.reason, STORE_REASON,
+             "the lease lapsed %u times: the pass may stop its workers", t->expiries);
+    return give_up(j, tile, pass);
+}
+
+bool job_pass_failed(struct job *j, uint32_t tile, uint32_t pass, uint32_t worker,
+                     const char *reason, int64_t now_ms)
+{
+    job_touch(j);
+    struct job_trouble *t = job_trouble_of(j, tile, pass);
+    bool known = false;
+    for (uint32_t i = 0; i < t->worker_count; i++)
+        known |= t->workers[i] == worker;
+    if (!known)
+        t->workers[t->worker_count++] = worker;
+    t->failures++;
+    if (t->worker_count == JOB_MAX_WORKERS || t->failures == JOB_MAX_FAILURES) {
+        snprintf(j->row.failure.reason, STORE_REASON, "failed %u times on %u workers, last: %s",
+                 t->failures, t->worker_count, reason);
+        return give_up(j, tile, pass);
+    }
+    t->shun_until_ms = now_ms + JOB_SHUN_MS;
+    *job_slot(j, tile, pass) = (struct job_slot){.state = SLOT_SHUNNED};
+    return true;
+}
+
+void job_fail_reason(struct job *j, const char *reason)
+{
+    j->row.failure = (struct store_failure){0};
+    snprintf(j->row.failure.reason, STORE_REASON, "%s", reason);
+}
