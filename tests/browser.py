@@ -1,18 +1,15 @@
 """browser.py - headless Chromium, driven by the W3C WebDriver protocol that chromedriver speaks.
 
-Only what the page's test needs. A call that the driver refuses raises Failure with its reason.
+Only what the page's test needs. A call that the driver refuses raises farm.Failure with its reason.
 https://www.w3.org/TR/webdriver2/. SPDX-License-Identifier: MIT
 """
 
 import base64
-import json
 import os
 import re
 import shutil
-import urllib.error
-import urllib.request
 
-from farm import OPENER, Failure
+import farm
 
 TAB, ENTER, ESCAPE = "\ue004", "\ue007", "\ue00c"
 
@@ -28,32 +25,27 @@ def missing():
 
 
 class Browser:
-    def __init__(self, farm):
-        """Driver and browser belong to the farm, which stops them. Their files are in its folder."""
-        home = farm.folder / "browser"
-        home.mkdir()
-        env = {**os.environ, "HOME": str(home), "TMPDIR": str(home), "XDG_CONFIG_HOME": str(home),
-               "XDG_CACHE_HOME": str(home)}
-        driver = farm.spawn("chromedriver", shutil.which("chromedriver"), "--port=0", env=env)
-        ready = re.compile(r"started successfully on port (\d+)")
-        farm.wait_for(lambda: ready.search(driver.log.read_text()), 30, "chromedriver starts")
-        self.session = f"http://127.0.0.1:{ready.search(driver.log.read_text())[1]}"
-        options = {"binary": shutil.which("chromium"), "args": FLAGS + [f"--user-data-dir={home / 'profile'}"]}
+    def __init__(self, f):
+        """Driver and browser belong to the farm, which stops them. Their files are in its directory."""
+        home = os.path.join(f.dir, "browser")
+        os.mkdir(home)
+        env = {**os.environ, "HOME": home, "TMPDIR": home, "XDG_CONFIG_HOME": home, "XDG_CACHE_HOME": home}
+        self.driver = f.start("chromedriver", [shutil.which("chromedriver"), "--port=0"], env)
+        port = f.wait_for("chromedriver to start",
+                          lambda: re.search(r"started successfully on port (\d+)", self.driver.log()))[1]
+        self.session = f"http://127.0.0.1:{port}"
+        options = {"binary": shutil.which("chromium"),
+                   "args": FLAGS + [f"--user-data-dir={os.path.join(home, 'profile')}"]}
         session = self._call("POST", "/session", {"capabilities": {"alwaysMatch": {
             "goog:chromeOptions": options, "goog:loggingPrefs": {"browser": "ALL"}}}})
         self.session += f"/session/{session['sessionId']}"
 
     def _call(self, method, path, body=None):
-        request = urllib.request.Request(self.session + path, method=method,
-                                         data=None if method == "DELETE" else json.dumps(body).encode(),
-                                         headers={"Content-Type": "application/json"})
-        try:
-            with OPENER.open(request, timeout=60) as reply:
-                return json.load(reply)["value"]
-        except urllib.error.HTTPError as error:
-            with error:
-                why = json.load(error)["value"]
-            raise Failure(f"chromedriver: {path}: {why['error']}: {why['message'].splitlines()[0]}") from None
+        reply = farm.request(method, self.session + path, {} if body is None and method == "POST" else body, limit=60)
+        value = reply.json()["value"]
+        if reply.status != 200:
+            raise farm.Failure(f"chromedriver: {path}: {value['error']}: {value['message'].splitlines()[0]}")
+        return value
 
     def open(self, url):
         self._call("POST", "/url", {"url": url})
@@ -106,3 +98,4 @@ class Browser:
 
     def close(self):
         self._call("DELETE", "")
+        self.driver.kill()  # it knows no other end

@@ -1,15 +1,11 @@
-#!/usr/bin/env python3
 """The page in headless Chromium, with a real coordinator and worker: shows a running job, and cancels it
 by keyboard. With $SHOTS set to a directory, screenshots of both views are left there.
 SPDX-License-Identifier: MIT"""
 
 import os
-import sys
 
 import browser
-from farm import OPENER, Farm, Tap, scene
-
-tap = Tap()
+import farm
 
 # WCAG 2.2: 4.5 : 1 for text. Of every element that shows text of its own, against the nearest opaque
 # background behind it; returns the offenders.
@@ -56,36 +52,20 @@ NAMED = """
 
 
 # The Cornell box, small and with far more samples than the test waits for.
-SCENE = scene("cornell-box.json", width=128, height=128, spp=65536)
-
-
-def check(held, text, *details):
-    if not tap.ok(held, text):
-        for detail in details:
-            tap.diag(str(detail))
-
-
-def equal(got, want, text):
-    check(got == want, text, f"got:  {got!r}", f"want: {want!r}")
+FLAGS = ("--image-interval", "0.5", "--tile", "32")
+SCENE = farm.scene("cornell-box.json", 128, 128, spp=65536)
 
 
 class Page:
-    def __init__(self, farm, b):
-        self.farm, self.b = farm, b
+    def __init__(self, f, t, b):
+        self.farm, self.t, self.b = f, t, b
 
     def wait(self, what, script, *args):
         """Until the expression is true; its value."""
-        values = []
-
-        def look():
-            values.append(self.b.run("return " + script, *args))
-            return values[-1]
-
-        self.farm.wait_for(look, 30, what, explain=lambda: f"(last: {values[-1]!r})")
-        return values[-1]
+        return self.farm.wait_for(what, lambda: self.b.run("return " + script, *args))
 
     def wait_state(self, job, state):
-        self.farm.wait_for(lambda: self.farm.job(job)["state"] == state, 30, f"the job is {state}")
+        self.farm.wait_for(f"the job to be {state}", lambda: self.farm.job(job)["state"] == state)
 
     def shot(self, name):
         if os.environ.get("SHOTS"):
@@ -97,137 +77,135 @@ class Page:
         for scheme in ("light", "dark"):
             self.b.media(prefers_color_scheme=scheme)
             bad = self.b.run(CONTRAST)
-            check(not bad, f"{view}, {scheme}: the contrast of all text is at least 4.5", *bad)
+            self.t.ok(not bad, f"{view}, {scheme}: the contrast of all text is at least 4.5", *bad)
             self.shot(f"{view}-{scheme}")
         for width in (360, 320):
             self.b.size(width, 720, phone=True)
             needed = self.b.run("return document.documentElement.scrollWidth")
-            check(needed <= width, f"{view}: {width} px are wide enough", f"needs {needed} px")
+            self.t.ok(needed <= width, f"{view}: {width} px are wide enough", f"needs {needed} px")
         self.shot(f"{view}-phone")
         self.b.size(1200, 900)
         missing = self.b.run(NAMED)
-        check(not missing, f"{view}: headings, landmarks and names are there", *missing)
+        self.t.ok(not missing, f"{view}: headings, landmarks and names are there", *missing)
 
 
-def check_weight(farm):
+def check_weight(f, t):
     weight = 0
     for path in ("/", "/app.js", "/style.css"):
-        with OPENER.open(farm.url + path) as reply:
-            weight += len(reply.read())
-            policy = reply.headers.get("Content-Security-Policy", "")
-        check("default-src 'self'" in policy and "unsafe" not in policy, f"{path}: only our own scripts may run", policy)
-    check(weight < 40 * 1000, f"the page weighs less than 40 KB in all: {weight} bytes")
+        reply = f.call("GET", path)
+        weight += len(reply.body)
+        policy = reply.headers.get("Content-Security-Policy", "")
+        t.ok("default-src 'self'" in policy and "unsafe" not in policy, f"{path}: only our own scripts may run", policy)
+    t.ok(weight < 40 * 1000, f"the page weighs less than 40 KB in all: {weight} bytes")
 
 
 def check_list(page, job):
     page.wait("the job to be listed", "document.querySelector('.jobs a')")
     link = page.b.run("return document.querySelector('.jobs a').getAttribute('href')")
-    equal(link, f"#/jobs/{job}", "the job is listed")
+    page.t.equal(link, f"#/jobs/{job}", "the job is listed")
     page.wait("the list to show its picture", "document.querySelector('.thumb img')?.naturalWidth > 0")
     page.look("list")
 
 
 def check_job(page, job):
     b = page.b
-    check(b.tab_to(page.farm.job(job)["title"]), "Tab reaches the job")
+    page.t.ok(b.tab_to(page.farm.job(job)["title"]), "Tab reaches the job")
     b.press(browser.ENTER)
     page.wait("the job's view", "document.querySelector('.job dl div')")
-    equal(b.focus(), page.farm.job(job)["title"], "the new view's heading has the focus")
+    page.t.equal(b.focus(), page.farm.job(job)["title"], "the new view's heading has the focus")
     width = page.wait("the picture", "document.querySelector('.picture img')?.naturalWidth")
-    equal(width, 128, "the view shows the image")
+    page.t.equal(width, 128, "the view shows the image")
     first = b.run("return document.querySelector('.picture img').src")
     page.wait("a newer picture", "document.querySelector('.picture img').src !== arguments[0]", first)
-    check(True, "the image is replaced by newer ones")
+    page.t.ok(True, "the image is replaced by newer ones")
     was = b.run("return document.querySelector('.job progress').value")
     page.wait("progress", "document.querySelector('.job progress').value > arguments[0]", was)
-    check(True, "the progress grows")
+    page.t.ok(True, "the progress grows")
     facts = b.text(".job dl")
-    check(all(word in facts for word in ("Error", "Samples", "Rate", "Target", "65536")),
+    page.t.ok(all(word in facts for word in ("Error", "Samples", "Rate", "Target", "65536")),
          "error, samples, rate and target are shown", facts)
-    equal(b.text(".head .state"), "running", "the state is shown")
+    page.t.equal(b.text(".head .state"), "running", "the state is shown")
     page.wait("the worker to be shown", "document.querySelector('.workers li .active')")
-    check(True, "the worker is listed as active")
+    page.t.ok(True, "the worker is listed as active")
     href = b.run("return document.querySelector('.job a[download]').getAttribute('href')")
-    equal(page.farm.get(href)[:4], b"\x76\x2f\x31\x01", "the link to the EXR gives an EXR")
+    page.t.equal(page.farm.call("GET", href).body[:4], b"\x76\x2f\x31\x01", "the link to the EXR gives an EXR")
     page.look("job")
 
 
 def check_pause(page, job):
-    check(page.b.tab_to("Pause"), "Tab reaches Pause")
+    page.t.ok(page.b.tab_to("Pause"), "Tab reaches Pause")
     page.b.press(browser.ENTER)
     page.wait_state(job, "paused")
     page.wait("Resume", "document.activeElement.innerText === 'Resume'")
-    check(True, "the button becomes Resume and keeps the focus")
+    page.t.ok(True, "the button becomes Resume and keeps the focus")
     page.b.press(browser.ENTER)
     page.wait_state(job, "running")
     page.wait("the view to say so", "document.querySelector('.head .state').innerText === 'running'")
-    check(True, "Resume resumes")
+    page.t.ok(True, "Resume resumes")
 
 
 def check_cancel(page, job):
     b = page.b
-    check(b.tab_to("Cancel job…"), "Tab reaches Cancel")
+    page.t.ok(b.tab_to("Cancel job…"), "Tab reaches Cancel")
     b.press(browser.ENTER)
-    equal(b.focus(), "Keep it", "it asks, and the harmless answer has the focus")
+    page.t.equal(b.focus(), "Keep it", "it asks, and the harmless answer has the focus")
     b.press(browser.ESCAPE)
-    equal(b.focus(), "Cancel job…", "Escape goes back to where one was")
-    equal(page.farm.job(job)["state"], "running", "and cancels nothing")
+    page.t.equal(b.focus(), "Cancel job…", "Escape goes back to where one was")
+    page.t.equal(page.farm.job(job)["state"], "running", "and cancels nothing")
     b.press(browser.ENTER)
-    check(b.tab_to("Cancel job"), "Tab reaches the other answer")
+    page.t.ok(b.tab_to("Cancel job"), "Tab reaches the other answer")
     b.press(browser.ENTER)
     page.wait_state(job, "cancelled")
-    check(True, "the job is cancelled")
+    page.t.ok(True, "the job is cancelled")
     page.wait("the page to show it", "document.querySelector('.head .state').innerText === 'cancelled'")
     page.wait("the focus on the heading", "document.activeElement === document.querySelector('h1')")
-    check(True, "the view says so, and the focus goes to its heading")
+    page.t.ok(True, "the view says so, and the focus goes to its heading")
 
 
 def check_away(page):
     """A coordinator that is gone for a while: said, and over by itself."""
     notice = "document.querySelector('#notice').innerText"
-    page.farm.kill_coordinator()
+    page.farm.server.kill()
     page.wait("the page says that the coordinator is away", notice + ".includes('not reachable')")
-    check(True, "the page says that the coordinator is not reachable")
-    page.farm.start_coordinator()
+    page.t.ok(True, "the page says that the coordinator is not reachable")
+    page.farm.start_server(*FLAGS)
     page.wait("the page recovers", f"!{notice}")
-    check(True, "it recovers by itself")
+    page.t.ok(True, "it recovers by itself")
 
 
 def check_gone(page):
     page.b.run("location.hash = '#/jobs/0000000000000000'")
     page.wait("a word on the unknown job", "document.querySelector('h1').innerText.includes('no job 0000000000000000')")
-    check(page.b.tab_to("All jobs"), "an address without a job says so, and leads back to the list")
+    page.t.ok(page.b.tab_to("All jobs"), "an address without a job says so, and leads back to the list")
 
 
 def check_empty(page):
     page.b.size(1200, 900)
     page.b.open(page.farm.url + "/")
     page.wait("the empty list", "document.querySelector('.empty')?.checkVisibility()")
-    check(f"{page.farm.url}/v1/jobs" in page.b.text("pre"), "without jobs the page says how to submit one")
+    page.t.ok(f"{page.farm.url}/v1/jobs" in page.b.text("pre"), "without jobs the page says how to submit one")
     page.shot("empty")
 
 
-def main():
-    if browser.missing():
-        print(f"1..0 # SKIP {browser.missing()}")
-        return 0
-    with Farm(["--image-interval", "0.5", "--tile", "32"]) as farm:
-        check_weight(farm)
-        b = browser.Browser(farm)
-        page = Page(farm, b)
-        check_empty(page)
-        farm.worker("--threads", "1")
-        job = farm.submit(SCENE)
-        check_list(page, job)
-        check_job(page, job)
-        check_pause(page, job)
-        check_cancel(page, job)
-        said = b.console()
-        check(not said, "the console has no errors and no warnings", *said)
-        check_away(page)
-        check_gone(page)
-        b.close()
-    return tap.done()
+def test(f, t):
+    f.start_server(*FLAGS)
+    check_weight(f, t)
+    b = browser.Browser(f)
+    page = Page(f, t, b)
+    check_empty(page)
+    f.start_worker("--threads", "1")
+    job = f.submit(SCENE)
+    check_list(page, job)
+    check_job(page, job)
+    check_pause(page, job)
+    check_cancel(page, job)
+    said = b.console()
+    t.ok(not said, "the console has no errors and no warnings", *said)
+    check_away(page)
+    check_gone(page)
+    b.close()
 
 
-sys.exit(main())
+if browser.missing():
+    farm.skip_all(browser.missing())
+farm.main(test)
