@@ -120,7 +120,8 @@ static struct candidate prim_hit(const struct stage *s, const struct stage_prim 
 struct naive_hit naive_hit_closest(const struct stage *s, const struct ray *r)
 {
     struct line l = {{(double)r->origin[0], (double)r->origin[1], (double)r->origin[2]},
-                     {(double)r->dir[0], (double)r->dir[1], (double)r->dir[2]}, 0};
+                     {(double)r->dir[0], (double)r->dir[1], (double)r->dir[2]},
+                     0};
     const double scale = length(l.d);
     l.d = (struct vec){l.d.x / scale, l.d.y / scale, l.d.z / scale};
     l.t_max = (double)r->t_max * scale;

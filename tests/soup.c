@@ -21,10 +21,11 @@ struct shape *soup_mesh(struct scenes *s, uint32_t material, float (*v)[3], uint
     struct shape *shape = &s->scene.shapes[s->scene.shape_count++];
     *shape = (struct shape){.kind = SHAPE_MESH, .material = material, .to_world = xform_identity()};
     shape->mesh.mesh = s->scene.mesh_count;
-    s->scene.meshes[s->scene.mesh_count++] =
-        (struct mesh){.format = MESH_INLINE, .vertices = triangles ? v[0] : NULL,
-                      .indices = indices, .vertex_count = 3 * triangles,
-                      .triangle_count = triangles};
+    s->scene.meshes[s->scene.mesh_count++] = (struct mesh){.format = MESH_INLINE,
+                                                           .vertices = triangles ? v[0] : NULL,
+                                                           .indices = indices,
+                                                           .vertex_count = 3 * triangles,
+                                                           .triangle_count = triangles};
     return shape;
 }
 

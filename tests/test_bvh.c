@@ -1,5 +1,5 @@
-/* The tree against two loops over all primitives: the core's own test of each (equal to the last bit)
- * and an oracle in double; garbage; what hits depend on. SPDX-License-Identifier: MIT */
+/* The tree against two loops over all primitives: the core's own test of each (equal to the last
+ * bit) and an oracle in double; garbage; what hits depend on. SPDX-License-Identifier: MIT */
 #include "common/trace/bvh.h"
 
 #include <math.h>
@@ -27,8 +27,9 @@ static void try_ray(const struct stage *s, struct ray ray, struct tally *n)
     const struct naive_hit oracle = naive_hit_closest(s, &ray);
     n->doubtful += oracle.doubtful;
     if (!oracle.doubtful)
-        n->wrong_oracle += hit != oracle.hit || (hit && fabs((double)tree.t - oracle.t) >
-                                                           1e-5 * oracle.t + 1e-6 * oracle.t_reach);
+        n->wrong_oracle +=
+            hit != oracle.hit ||
+            (hit && fabs((double)tree.t - oracle.t) > 1e-5 * oracle.t + 1e-6 * oracle.t_reach);
 }
 
 static void judge(const struct tally *n, const char *what)
@@ -38,8 +39,8 @@ static void judge(const struct tally *n, const char *what)
        n->wrong_bits);
     ok(n->wrong_any == 0, "%s: any hit where there is a closest (%d not)", what, n->wrong_any);
     ok(n->doubtful < n->rays / 10 && n->wrong_oracle == 0,
-       "%s: the oracle in double agrees within 1e-5 t + 1e-6 reach (%d not; %d graze)", what, n->wrong_oracle,
-       n->doubtful);
+       "%s: the oracle in double agrees within 1e-5 t + 1e-6 reach (%d not; %d graze)", what,
+       n->wrong_oracle, n->doubtful);
 }
 
 /* Half of the rays aim at a point of some primitive's bounds; one in eight ends early. */
@@ -180,7 +181,7 @@ static void test_ties(void)
 
 static float garbage_number(struct dice *d)
 {
-    static const float odd[] = {0,     -0.0f, 1,         -1,       1e-38f, 1e-45f,
+    static const float odd[] = {0,     -0.0f,  1,        -1,        1e-38f, 1e-45f,
                                 3e38f, -3e38f, INFINITY, -INFINITY, NAN,    1e10f};
     const uint32_t i = dice_bits(d) % (8 * countof(odd));
     return i < countof(odd) ? odd[i] : (float)dice_range(d, -1, 1);
@@ -245,7 +246,8 @@ static void test_garbage(void)
             hits += hit;
             wrong += hit != soup_closest(stage, &ray, &loop) ||
                      (hit && memcmp(&tree, &loop, sizeof tree) != 0) ||
-                     hit != bvh_hit_any(stage, &ray) || (hit && !(tree.t > 0 && tree.t < ray.t_max));
+                     hit != bvh_hit_any(stage, &ray) ||
+                     (hit && !(tree.t > 0 && tree.t < ray.t_max));
         }
         scenes_release(&s);
     }

@@ -1,7 +1,7 @@
 /* The contraction canary: watertightness rests on edge functions that are exact negatives of each
- * other, which a fused multiply-add silently breaks. Functions marked CORE are compiled for the core's
- * instruction set, where the compiler has that instruction and uses it unless it is told not to.
- * SPDX-License-Identifier: MIT */
+ * other, which a fused multiply-add silently breaks. Functions marked CORE are compiled for the
+ * core's instruction set, where the compiler has that instruction and uses it unless it is told not
+ * to. SPDX-License-Identifier: MIT */
 #include "common/trace/tri.h"
 
 #include <string.h>
@@ -77,11 +77,13 @@ static int count_wrong_signs(void)
 
 int main(void)
 {
-    ok(count_violations(edge, 1) == 0, "edge functions are antisymmetric to the last bit, 1e6 pairs");
+    ok(count_violations(edge, 1) == 0,
+       "edge functions are antisymmetric to the last bit, 1e6 pairs");
     ok(count_violations(edge, 1e-6) == 0, "also of points that nearly coincide");
     ok(count_violations(edge_exact, 1e-6) == 0, "the double version is antisymmetric, too");
     const int fused = count_violations(edge_fused, 1);
     ok(fused > PAIRS / 4, "a fused multiply-add would be noticed: %d violations of 1e6", fused);
-    ok(count_wrong_signs() == 0, "the sign of an edge function is right, 1e6 nearly parallel pairs");
+    ok(count_wrong_signs() == 0,
+       "the sign of an edge function is right, 1e6 nearly parallel pairs");
     return tap_done();
 }

@@ -1,5 +1,5 @@
-/* Scene to stage: fronts, shared edges, what is dropped, how lights are picked, where the camera looks.
- * SPDX-License-Identifier: MIT */
+/* Scene to stage: fronts, shared edges, what is dropped, how lights are picked, where the camera
+ * looks. SPDX-License-Identifier: MIT */
 #include "common/trace/prep.h"
 
 #include <math.h>
@@ -94,8 +94,9 @@ static void test_fronts(void)
         shape->to_world = x;
         const struct stage *stage = scenes_stage(&s);
         /* From a point before the front, in object space, to a point of the shape. */
-        const vec3 on = kind == 2 ? at + 0.4f * a - 0.4f * vec3_dot(a, front) * front
-                        : kind == 3 ? at : at + 0.3f * a + 0.3f * b;
+        const vec3 on = kind == 2   ? at + 0.4f * a - 0.4f * vec3_dot(a, front) * front
+                        : kind == 3 ? at
+                                    : at + 0.3f * a + 0.3f * b;
         const vec3 eye = xform_point(&x, on + front), to = xform_point(&x, on);
         const struct ray ray = {eye, to - eye, INFINITY};
         struct ray_hit hit;
@@ -105,7 +106,8 @@ static void test_fronts(void)
         scenes_release(&s);
     }
     for (int i = 0; i < 4; i++)
-        ok(wrong[i] == 0, "a %s keeps its front under mirroring (%d of 100 do not)", names[i], wrong[i]);
+        ok(wrong[i] == 0, "a %s keeps its front under mirroring (%d of 100 do not)", names[i],
+           wrong[i]);
 }
 
 static void test_sizes(void)
@@ -164,8 +166,10 @@ static void test_empty(void)
     const struct stage *stage = scenes_stage(&s);
     const struct ray ray = {vec3_make(0, 0, 0), vec3_make(0, 0, 1), INFINITY};
     struct ray_hit hit;
-    ok(!stage->prims.count && !stage->nodes.count && !stage->emitters.count, "an empty scene is empty");
-    ok(!bvh_hit_closest(stage, &ray, &hit) && !bvh_hit_any(stage, &ray), "and nothing is hit there");
+    ok(!stage->prims.count && !stage->nodes.count && !stage->emitters.count,
+       "an empty scene is empty");
+    ok(!bvh_hit_closest(stage, &ray, &hit) && !bvh_hit_any(stage, &ray),
+       "and nothing is hit there");
     scenes_release(&s);
 }
 
@@ -178,7 +182,8 @@ static void test_picks(void)
     scenes_quad(&s, m, vec3_make(-1, -1, -1), vec3_make(2, 0, 0), vec3_make(0, 2, 0))->emission =
         rgb_gray(3);
     scenes_sphere(&s, m, vec3_make(0, 0, 0), 0.5f)->emission = rgb_gray(2);
-    scenes_disc(&s, m, vec3_make(0, 0, 1), vec3_make(0, 0, 1), 0.25f)->emission = vec3_make(0, 1, 0);
+    scenes_disc(&s, m, vec3_make(0, 0, 1), vec3_make(0, 0, 1), 0.25f)->emission =
+        vec3_make(0, 1, 0);
     scenes_quad(&s, m, vec3_make(-1, -1, 1), vec3_make(2, 0, 0), vec3_make(0, 2, 0)); /* no light */
     scenes_light(&s, LIGHT_POINT)->point.intensity = rgb_gray(1.5f);
     struct light *sun = scenes_light(&s, LIGHT_DISTANT);
@@ -187,7 +192,8 @@ static void test_picks(void)
     scenes_sky(&s, rgb_gray(0.25f));
     scenes_sky(&s, rgb_gray(0.5f));
     const struct stage *stage = scenes_stage(&s);
-    const double power[] = {pi * 2 * 3, pi * 2 * 3, pi * pi * 2, pi * pi / 16 * 0.7152,
+    const double power[] = {pi * 2 * 3,   pi * 2 * 3,
+                            pi * pi * 2,  pi * pi / 16 * 0.7152,
                             4 * pi * 1.5, pi * (4 + 4 + 4.0) / 4 * 0.75};
     double total = 0, sum = 0;
     for (size_t i = 0; i < countof(power); i++)
@@ -199,14 +205,16 @@ static void test_picks(void)
     bool rises = cdf[0] == 0;
     for (size_t i = 0; i < countof(power); i++) {
         /* The scene's radius is that of its bounds, in which the disc has a cube. */
-        near((double)e[i].pick, power[i] / total, i == 5 ? 0.03 : 0.01, "emitter %zu is picked by its power", i);
+        near((double)e[i].pick, power[i] / total, i == 5 ? 0.03 : 0.01,
+             "emitter %zu is picked by its power", i);
         sum += (double)e[i].pick;
         rises &= cdf[i + 1] > cdf[i];
         near((double)cdf[i + 1], sum, 1e-6, "the cumulative pick adds up to there");
     }
     near(sum, 1, 1e-6, "picks sum to 1");
     near((double)(e[1].pick / e[0].pick), 1, 1e-6, "both halves of the quad are picked alike");
-    near((double)(e[2].pick / e[0].pick), pi / 3, 1e-6, "sphere against half quad: exactly by power");
+    near((double)(e[2].pick / e[0].pick), pi / 3, 1e-6,
+         "sphere against half quad: exactly by power");
     ok(rises && cdf[countof(power)] == 1, "the cumulative pick rises from 0 to 1");
     near((double)e[2].area, pi, 1e-6, "an emitter knows its area");
     const struct stage_prim *prims = stage_at(stage, stage->prims);
@@ -239,7 +247,8 @@ static void test_camera(void)
         scenes_look(&s, from, at, fovs[f]);
         const struct stage *stage = scenes_stage(&s);
         const struct xform *m = &s.scene.camera.to_world;
-        const double half_y = tan((double)s.scene.camera.fov_y_rad / 2), half_x = half_y * 640 / 360;
+        const double half_y = tan((double)s.scene.camera.fov_y_rad / 2),
+                     half_x = half_y * 640 / 360;
         double worst = 0;
         for (int y = -1; y <= 1; y++)
             for (int x = -1; x <= 1; x++) {
@@ -247,7 +256,8 @@ static void test_camera(void)
                 for (int k = 0; k < 3; k++)
                     want[k] = x * half_x * (double)m->m[k][0] - y * half_y * (double)m->m[k][1] -
                               (double)m->m[k][2];
-                const struct ray ray = camera_ray(&stage->camera, (float)(320 + 320 * x), (float)(180 + 180 * y));
+                const struct ray ray =
+                    camera_ray(&stage->camera, (float)(320 + 320 * x), (float)(180 + 180 * y));
                 worst = fmax(worst, angle_of(ray.dir, want));
                 worst = fmax(worst, (double)vec3_length(ray.origin - from));
             }
@@ -261,7 +271,8 @@ static void test_camera(void)
     s.scene.film.crop_x_begin = 100, s.scene.film.crop_y_begin = 50;
     s.scene.film.crop_x_end = 120, s.scene.film.crop_y_end = 60;
     const struct stage *part = scenes_stage(&s);
-    ok(memcmp(&whole->camera, &part->camera, sizeof whole->camera) == 0, "a crop does not move the camera");
+    ok(memcmp(&whole->camera, &part->camera, sizeof whole->camera) == 0,
+       "a crop does not move the camera");
     ok(part->film.crop_x_begin == 100 && part->film.crop_y_end == 60, "and is kept");
     scenes_release(&s);
 }
@@ -295,11 +306,13 @@ static void test_block(void)
     ok(memcmp(a->magic, "SMSTAGE", 8) == 0 && a->version == STAGE_VERSION &&
            a->struct_bytes == sizeof *a && (uintptr_t)a % 64 == 0,
        "the block says what it is and is aligned");
-    const struct stage_span spans[] = {a->prims, a->triangles, a->spheres, a->discs, a->materials,
-                                       a->emitters, a->pick_cdf, a->nodes, a->leaf_prims};
+    const struct stage_span spans[] = {a->prims,    a->triangles, a->spheres,
+                                       a->discs,    a->materials, a->emitters,
+                                       a->pick_cdf, a->nodes,     a->leaf_prims};
     bool placed = true;
     for (size_t i = 0; i < countof(spans); i++)
-        placed &= spans[i].offset % 64 == 0 && spans[i].offset >= sizeof *a && spans[i].offset < a->bytes;
+        placed &=
+            spans[i].offset % 64 == 0 && spans[i].offset >= sizeof *a && spans[i].offset < a->bytes;
     ok(placed, "arrays lie inside it, aligned");
     scenes_release(&s);
 }

@@ -1,5 +1,5 @@
-/* F-12: rays that leave a surface do not meet it again, shadow rays meet nothing but occluders, and those
- * however near. Coordinates of 1e-8 to 1e8. SPDX-License-Identifier: MIT */
+/* F-12: rays that leave a surface do not meet it again, shadow rays meet nothing but occluders, and
+ * those however near. Coordinates of 1e-8 to 1e8. SPDX-License-Identifier: MIT */
 #include "common/trace/surface.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@
 #include "tests/stat.h"
 #include "tests/tap.h"
 
-enum { SCENES = 400 / STAT_SLOW, RAYS = 250 };
+enum { SCENES = 1000, RAYS = 300 / STAT_SLOW };
 
 /* A direction on the side of ng that `side` says, at 1e-3 to pi/2 rad from the surface. */
 static vec3 leaving(struct dice *d, vec3 ng, float side)
@@ -103,9 +103,9 @@ static void test_leave_discs(void)
     ok(n.met == 0, "rays that leave a disc do not meet it: %d of %d do", n.met, n.rays);
 }
 
-/* Inwards the sphere is met at the other end of a chord of 2 r cos, which starting inside by the error e
- * lengthens by less than 4 sqrt(e r). What is left of a sphere whose radius is few units of its
- * centre's last place is not judged. */
+/* Inwards the sphere is met at the other end of a chord of 2 r cos, which starting inside by the
+ * error e lengthens by less than 4 sqrt(e r). What is left of a sphere whose radius is few units of
+ * its centre's last place is not judged. */
 static void test_leave_spheres(void)
 {
     struct tally out = {0}, in = {0};
@@ -138,8 +138,8 @@ static void test_leave_spheres(void)
         scenes_release(&s);
     }
     ok(out.met == 0, "rays that leave a sphere do not meet it: %d of %d do", out.met, out.rays);
-    ok(in.met == 0 && in.rays > 1000, "rays into a sphere meet its far side: %d of %d do not", in.met,
-       in.rays);
+    ok(in.met == 0 && in.rays > 1000, "rays into a sphere meet its far side: %d of %d do not",
+       in.met, in.rays);
 }
 
 /* A random light of any shape, of the size given, at a place. */
@@ -166,16 +166,18 @@ static struct surface point_on(struct dice *d, const struct stage *s, uint32_t p
         const struct stage_disc *disc = stage_at(s, s->discs);
         const vec3 n = vec3_load(disc[p->index].normal);
         const vec3 flat = vec3_unit(vec3_cross(n, soup_direction(d)));
-        return surface_on_disc(s, prim, vec3_load(disc[p->index].center) +
-                                            flat * (disc[p->index].radius * u));
+        return surface_on_disc(
+            s, prim, vec3_load(disc[p->index].center) + flat * (disc[p->index].radius * u));
     }
-    const struct stage_sphere *sphere = (const struct stage_sphere *)stage_at(s, s->spheres) + p->index;
+    const struct stage_sphere *sphere =
+        (const struct stage_sphere *)stage_at(s, s->spheres) + p->index;
     const vec3 to_viewer = seen_from - vec3_load(sphere->center);
     const vec3 way = soup_direction(d);
     return surface_on_sphere(s, prim, vec3_dot(way, to_viewer) < 0 ? -way : way);
 }
 
-/* Two shapes of size 10^[-8, 8], 4 to 4e4 sizes from each other and up to as far from the origin. */
+/* Two shapes of size 10^[-8, 8], 4 to 4e4 sizes from each other and up to as far from the origin.
+ */
 static void test_two_shapes(void)
 {
     static const char *const names[] = {"triangle", "disc", "sphere", "quad"};
@@ -188,7 +190,8 @@ static void test_two_shapes(void)
             scenes_init(&s, 1, 1);
             scenes_diffuse(&s, rgb_gray(0.5f));
             const float size = (float)pow(10, dice_range(&d, -8, 8));
-            const vec3 away = soup_direction(&d) * (4 * size * (float)pow(10, dice_range(&d, 0, 4)));
+            const vec3 away =
+                soup_direction(&d) * (4 * size * (float)pow(10, dice_range(&d, 0, 4)));
             /* Half of the lights lie about the origin, where their own errors are smallest. */
             vec3 at = soup_point(&d, (double)size * pow(10, dice_range(&d, -1, 4)));
             at = seed & 1 ? soup_point(&d, (double)size) - away : at;
@@ -197,13 +200,16 @@ static void test_two_shapes(void)
             add_light(&d, &s, dice_bits(&d) % 4, at + away, size);
             const struct stage *stage = scenes_stage(&s);
             for (int i = 0; i < RAYS; i++) {
-                const struct surface from = point_on(&d, stage, dice_bits(&d) % other, vec3_make(0, 0, 0));
+                const struct surface from =
+                    point_on(&d, stage, dice_bits(&d) % other, vec3_make(0, 0, 0));
                 const struct surface to = point_on(&d, stage, other, from.p);
                 const vec3 way = vec3_unit(to.p - from.p);
-                const float rise = fabsf(vec3_dot(way, from.ng)), fall = fabsf(vec3_dot(way, to.ng));
+                const float rise = fabsf(vec3_dot(way, from.ng)),
+                            fall = fabsf(vec3_dot(way, to.ng));
                 const bool behind = kind == 2 && vec3_dot(way, from.ng) < 1e-3f;
                 const struct stage_prim *prims = stage_at(stage, stage->prims);
-                const bool beyond = prims[other].kind == STAGE_SPHERE && vec3_dot(way, to.ng) > -1e-3f;
+                const bool beyond =
+                    prims[other].kind == STAGE_SPHERE && vec3_dot(way, to.ng) > -1e-3f;
                 if (rise < 1e-3f || fall < 1e-3f || behind || beyond) {
                     edge_on++;
                     continue;
@@ -214,8 +220,8 @@ static void test_two_shapes(void)
             }
             scenes_release(&s);
         }
-        ok(n.met == 0 && n.rays > 10 * edge_on / 16, "%s and light: %d of %d shadow rays are shadowed",
-           names[kind], n.met, n.rays);
+        ok(n.met == 0 && n.rays > 10 * edge_on / 16,
+           "%s and light: %d of %d shadow rays are shadowed", names[kind], n.met, n.rays);
     }
 }
 
@@ -231,7 +237,8 @@ static void test_floors(void)
         const float size = (float)pow(10, dice_range(&d, -8, 8));
         const vec3 at = soup_point(&d, (double)size * 10), x = soup_direction(&d) * size;
         const vec3 y = vec3_unit(vec3_cross(x, soup_direction(&d))) * size;
-        const vec3 up = vec3_unit(vec3_cross(x, y)) * (size * (float)pow(10, dice_range(&d, -3, 0)));
+        const vec3 up =
+            vec3_unit(vec3_cross(x, y)) * (size * (float)pow(10, dice_range(&d, -3, 0)));
         scenes_quad(&s, m, at, x, y);
         scenes_quad(&s, m, at + up, y, x);
         const struct stage *stage = scenes_stage(&s);
@@ -240,14 +247,16 @@ static void test_floors(void)
             const struct surface to = point_on(&d, stage, 2 + dice_bits(&d) % 2, at);
             const struct ray there = surface_to_surface(&from, &to);
             const struct ray back = surface_to_surface(&to, &from);
-            const struct ray point = surface_to_point(&from, from.p + up * 0.5f + (to.p - from.p) * 0.4f);
+            const struct ray point =
+                surface_to_point(&from, from.p + up * 0.5f + (to.p - from.p) * 0.4f);
             n.rays += 3;
-            n.met += bvh_hit_any(stage, &there) + bvh_hit_any(stage, &back) +
-                     bvh_hit_any(stage, &point);
+            n.met +=
+                bvh_hit_any(stage, &there) + bvh_hit_any(stage, &back) + bvh_hit_any(stage, &point);
         }
         scenes_release(&s);
     }
-    ok(n.met == 0, "between floor and ceiling nothing is shadowed: %d of %d rays are", n.met, n.rays);
+    ok(n.met == 0, "between floor and ceiling nothing is shadowed: %d of %d rays are", n.met,
+       n.rays);
 }
 
 /* A sheet 1e-4 of the floor's size above it; lights over both. The other way, no light leaks. */
@@ -306,7 +315,9 @@ static void test_error_bounds(void)
             const struct stage_triangle *t = stage_at(stage, stage->triangles);
             const bool round = seed % 3 == 2;
             for (int k = 0; k < 3; k++)
-                anchor[k] = (double)(round ? sphere->center[k] : seed % 3 ? disc->center[k] : t->v[0][k]);
+                anchor[k] = (double)(round      ? sphere->center[k]
+                                     : seed % 3 ? disc->center[k]
+                                                : t->v[0][k]);
             for (int k = 0; k < 3; k++) {
                 const double off_k = (double)p.p[k] - anchor[k];
                 radius += off_k * off_k;
@@ -319,7 +330,8 @@ static void test_error_bounds(void)
         }
         scenes_release(&s);
     }
-    ok(off == 0, "points lie within their error bound of the primitive (%d of %d do not)", off, points);
+    ok(off == 0, "points lie within their error bound of the primitive (%d of %d do not)", off,
+       points);
 }
 
 int main(void)

@@ -1,5 +1,5 @@
-/* Hits where a careless test has none, and none where it has one: shared edges, rays that are no rays,
- * spheres far away, tangents. SPDX-License-Identifier: MIT */
+/* Hits where a careless test has none, and none where it has one: shared edges, rays that are no
+ * rays, spheres far away, tangents. SPDX-License-Identifier: MIT */
 #include "common/trace/bvh.h"
 
 #include <math.h>
@@ -53,8 +53,8 @@ static void test_ball(void)
     }
 }
 
-/* A large, closed room, seen from close to its edges: rounding errors are in proportion to the far ends of
- * its walls, distances are small. (Hits nearer than a wall's error do not count, tri.h.) */
+/* A large, closed room, seen from close to its edges: rounding errors are in proportion to the far
+ * ends of its walls, distances are small. (Hits nearer than a wall's error do not count, tri.h.) */
 static void test_corners(void)
 {
     int leaks = 0, rays = 0;
@@ -62,7 +62,8 @@ static void test_corners(void)
         struct dice d = dice_make(seed);
         struct scenes s;
         scenes_init(&s, 1, 1);
-        const vec3 lo = soup_point(&d, 100) - rgb_gray(200), hi = soup_point(&d, 100) + rgb_gray(200);
+        const vec3 lo = soup_point(&d, 100) - rgb_gray(200),
+                   hi = soup_point(&d, 100) + rgb_gray(200);
         scenes_box(&s, scenes_diffuse(&s, rgb_gray(0.5f)), lo, hi, true);
         const struct stage *stage = scenes_stage(&s);
         for (int i = 0; i < 20000 / STAT_SLOW; i++, rays++) {
@@ -77,7 +78,8 @@ static void test_corners(void)
             edge[along] = lo[along] + (hi[along] - lo[along]) * dice_float(&d);
             origin[along] = edge[along] + aside * (dice_float(&d) - 0.5f);
             origin[along] = origin[along] < lo[along]   ? lo[along]
-                            : origin[along] > hi[along] ? hi[along] : origin[along];
+                            : origin[along] > hi[along] ? hi[along]
+                                                        : origin[along];
             const struct ray ray = {origin, edge - origin, INFINITY};
             struct ray_hit hit;
             leaks += !bvh_hit_closest(stage, &ray, &hit);
@@ -116,7 +118,8 @@ static void test_grazing(void)
         }
         const vec3 normal = vec3_cross(x, y), at = soup_point(&d, 10);
         const float thin = (float)pow(10, dice_range(&d, -6, -1));
-        scenes_triangle(&s, scenes_diffuse(&s, rgb_gray(0.5f)), at, at + x, at + 0.5f * x + thin * y);
+        scenes_triangle(&s, scenes_diffuse(&s, rgb_gray(0.5f)), at, at + x,
+                        at + 0.5f * x + thin * y);
         const struct stage *stage = scenes_stage(&s);
         const struct stage_triangle *t = stage_at(stage, stage->triangles);
         for (int i = 0; i < 2000 / STAT_SLOW; i++) {
@@ -194,12 +197,14 @@ static void test_no_rays(void)
     scenes_release(&s);
 }
 
-/* Along the axes, with zeros of both signs, in the planes of faces and through edges and vertices. */
+/* Along the axes, with zeros of both signs, in the planes of faces and through edges and vertices.
+ */
 static void test_axes(void)
 {
     struct scenes s;
     scenes_init(&s, 1, 1);
-    scenes_box(&s, scenes_diffuse(&s, rgb_gray(0.5f)), vec3_make(-1, -1, -1), vec3_make(1, 1, 1), true);
+    scenes_box(&s, scenes_diffuse(&s, rgb_gray(0.5f)), vec3_make(-1, -1, -1), vec3_make(1, 1, 1),
+               true);
     const struct stage *stage = scenes_stage(&s);
     int wrong = 0, beside = 0, differ = 0;
     for (int axis = 0; axis < 3; axis++)
@@ -233,7 +238,8 @@ static void test_far_sphere(void)
     scenes_init(&s, 1, 1);
     scenes_sphere(&s, scenes_diffuse(&s, rgb_gray(0.5f)), vec3_make(0, 0, 0), 0.1f);
     const struct stage *stage = scenes_stage(&s);
-    const double height = (double)0.095f, half = sqrt((double)0.1f * (double)0.1f - height * height);
+    const double height = (double)0.095f,
+                 half = sqrt((double)0.1f * (double)0.1f - height * height);
     for (int i = 1; i <= 7; i++) {
         const float x = -(float)pow(10, i);
         const struct ray ray = {vec3_make(x, 0.095f, 0), vec3_make(1, 0, 0), INFINITY};
