@@ -65,14 +65,15 @@ static void merge_pixel(struct film *f, size_t at, const float *sums, struct til
 
 static bool key_before(struct film_key a, struct film_key b)
 {
-    if (a.sample != b.sample)
-        return a.sample < b.sample;
     if (a.y_px != b.y_px)
         return a.y_px < b.y_px;
-    return a.x_px < b.x_px;
+    if (a.x_px != b.x_px)
+        return a.x_px < b.x_px;
+    return a.sample < b.sample;
 }
 
-/* Insertion sort into the smallest FILM_MAX_KEYS: the same list whatever the order of arrival. */
+/* Insertion sort into the smallest FILM_MAX_KEYS. Tile samples are cut in the same order, so the list
+ * does not depend on tile size or order of arrival. */
 static void keep_key(struct film *f, struct film_key key)
 {
     uint32_t at = f->key_count;

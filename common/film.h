@@ -50,7 +50,7 @@ struct film {
     uint32_t *spp;           /* [row][column]: samples merged, always the indices [0, spp) */
     uint64_t invalid_count;
     uint32_t key_count;
-    struct film_key keys[FILM_MAX_KEYS]; /* the smallest by (sample, y, x): whatever came first */
+    struct film_key keys[FILM_MAX_KEYS]; /* the first ones in (y, x, sample) order */
 };
 
 void film_init(struct film *, struct tile_rect window); /* heap; all zero */

@@ -3,7 +3,7 @@
     import farm
 
     def test(f, t):
-        f.start_server("--tile", "32", "--lease-ttl", "2000")
+        f.start_server("--tile", "32", "--lease-ttl", "2")
         worker = f.start_worker("--threads", "1")
         job = f.submit("scenes/cornell-box.json")
         f.wait_for("the first image", lambda: f.job(job)["image"]["version"] > 0)
@@ -79,6 +79,35 @@ def skip_all(why):
     """Leaves the whole program: what it needs is not installed."""
     print(f"1..0 # SKIP {why}", flush=True)
     sys.exit(0)
+
+
+def scene(name, width, height, **target):
+    """The example scene of that name at another size and with another target (spp, error, seconds)."""
+    with open(os.path.join(ROOT, "scenes", name), "rb") as file:
+        document = json.load(file)
+    document["film"].update(width=width, height=height)
+    document.setdefault("settings", {})["target"] = target
+    return document
+
+
+def _with_document(document, program, *args):
+    with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+        json.dump(document, file)
+        file.flush()
+        return subprocess.run([os.path.join(BIN, program), file.name, *map(str, args)], check=True,
+                              stdin=subprocess.DEVNULL, stdout=subprocess.PIPE).stdout
+
+
+def local_digest(document, threads=1, tile=64):
+    """The digest of the document's image rendered in one process, without a farm."""
+    with tempfile.NamedTemporaryFile(suffix=".exr") as out:
+        return _with_document(document, "tool_local", out.name, "--threads", threads, "--tile", tile).decode().strip()
+
+
+def payload(document, job, lease):
+    """What a worker would deliver for that lease, traced by the real core."""
+    return _with_document(document, "tool_payload", job, lease["tile"], lease["pass"], *lease["rect"],
+                          *lease["samples"])
 
 
 class Reply:
@@ -200,6 +229,16 @@ class Farm:
         self.server = None
         self.processes = []
 
+    def __enter__(self):
+        """For tests that need several farms: with farm.Farm() as f: ..."""
+        return self
+
+    def __exit__(self, kind, value, trace):
+        self.kill()
+        if kind:
+            self.show_logs(Tap())
+        self.remove()
+
     def start(self, name, argv, env=None):
         """Any other program that should be stopped at the end, with a log."""
         log_path = os.path.join(self.dir, f"{len(self.processes):02}-{name}.log")
@@ -226,7 +265,8 @@ class Farm:
         return self.server
 
     def start_worker(self, *flags):
-        return self.start("worker", [os.path.join(BIN, "smalti-worker"), "--server", self.url, *flags])
+        return self.start("worker", [os.path.join(BIN, "smalti-worker"), "--server", self.url,
+                                     "--cache", os.path.join(self.dir, "cache"), *flags])
 
     def run(self, *args, limit=120.0, **options):
         """The CLI, to its end: a CompletedProcess with text output."""
@@ -264,6 +304,26 @@ class Farm:
 
     def job(self, job):
         return self.get(f"/v1/jobs/{job}")
+
+    def done(self, job, limit=120.0):
+        """Waits until the job is done; any other end is a failure."""
+        ended = self.finish(job, limit)
+        if ended["state"] != "done":
+            raise Failure(f"job {job} is {ended['state']}: {ended['failure']}")
+        return ended
+
+    def lease(self, want, wait_ms=5000):
+        """Leases for a worker that the test plays itself."""
+        version = self.get("/healthz")["version"]
+        body = {"worker": "by-hand", "threads": 1, "version": version, "want": want, "wait_ms": wait_ms}
+        reply = self.call("POST", "/v1/leases", body)
+        if reply.status != 200:
+            raise Failure(f"POST /v1/leases: {reply.status} {reply.body[:500]!r}")
+        return reply.json()["leases"]
+
+    def deliver(self, lease, body):
+        return self.call("PUT", f"/v1/leases/{lease['lease']}?worker=by-hand&want=0", body,
+                         {"Content-Type": "application/octet-stream"})
 
     def finish(self, job, limit=120.0):
         """Waits until the job has ended, in whichever state, and returns it."""

@@ -1,0 +1,60 @@
+/* cmd.h - the commands of `smalti`, and what they share: flags, usage, exit status.
+ *
+ * A command takes the arguments after its own name and returns the program's exit status. Its usage text
+ * stands in its own file.
+ * SPDX-License-Identifier: MIT */
+#ifndef CLIENT_CMD_H
+#define CLIENT_CMD_H
+
+#include "client/remote.h"
+#include "common/err.h"
+#include "common/flags.h"
+#include "common/scene.h"
+
+enum cmd_status {
+    CMD_OK = 0,
+    CMD_FAILED = 1,      /* the job failed or was cancelled; images differ */
+    CMD_USAGE = 2,
+    CMD_INPUT = 3,       /* the scene, image or id given is not valid */
+    CMD_UNREACHABLE = 4, /* no answer from the coordinator */
+    CMD_SYSTEM = 5,      /* a file cannot be written, a process cannot be started */
+    CMD_INTERRUPTED = 130,
+};
+
+int cmd_render(int argc, char *const *args);
+int cmd_submit(int argc, char *const *args);
+int cmd_status(int argc, char *const *args);
+int cmd_watch(int argc, char *const *args);
+int cmd_fetch(int argc, char *const *args);
+int cmd_cancel(int argc, char *const *args);
+int cmd_check(int argc, char *const *args);
+int cmd_diff(int argc, char *const *args);
+int cmd_digest(int argc, char *const *args);
+
+/* What a command accepts. */
+struct cmd_spec {
+    const char *name, *usage;
+    const struct flags_entry *flags; /* --help is understood everywhere */
+    size_t flag_count;
+    size_t operand_least, operand_most;
+};
+
+/* False: the command is over, with *status (help was printed, or what is wrong). */
+bool cmd_parse(const struct cmd_spec *, int argc, char *const *args, const char **operands,
+               size_t *operand_count, int *status) MUST_CHECK;
+
+/* The coordinator at the flag's address, $SMALTI_SERVER's or the default; false: *status. */
+bool cmd_open(struct remote *, const char *flag, int *status) MUST_CHECK;
+
+bool cmd_check_id(const char *text); /* false: said on stderr that it is none */
+
+/* Shows a job until it ends (call watch_block before); returns the exit status. */
+int cmd_follow(struct remote *, const char *id, bool json);
+
+/* "smalti: TEXT" on stderr; returns the status that fits the code. */
+int cmd_fail(const struct err *);
+
+/* "FILE: POINTER: TEXT", one line each, on stderr; returns CMD_INPUT. */
+int cmd_fail_scene(const char *file, const struct scene_errors *);
+
+#endif

@@ -1,0 +1,68 @@
+/* jansson: the tree is owned and released where it is printed.
+ * SPDX-License-Identifier: MIT */
+#include <jansson.h>
+#include <stdio.h>
+
+#include "client/cmd.h"
+#include "common/scene_disk.h"
+
+static const char usage[] =
+    "Usage: smalti check SCENE [--json]\n"
+    "Reads a scene and the meshes it names and prints everything that is wrong with them, one\n"
+    "'FILE: PLACE: TEXT' a line; PLACE is a JSON pointer, or line and column of a syntax error.\n"
+    "\n"
+    "  --json   {\"valid\": true or false, \"errors\": [{\"pointer\", \"detail\"}, ...]}\n"
+    "\n"
+    "Exit status: 0 valid, 2 wrong usage, 3 not valid.\n";
+
+static void print_json(const struct scene_errors *errors)
+{
+    json_t *list = json_array();
+    for (size_t i = 0; i < errors->count; i++)
+        json_array_append_new(list, json_pack("{s:s, s:s}", "pointer", errors->list[i].where, "detail",
+                                              errors->list[i].what));
+    json_t *root = json_pack("{s:b, s:o}", "valid", errors->count == 0, "errors", list);
+    json_dumpf(root, stdout, JSON_COMPACT);
+    putchar('\n');
+    json_decref(root);
+}
+
+static void print_summary(const struct scene_disk *d, uint32_t unread)
+{
+    uint64_t triangles = 0;
+    for (uint32_t i = 0; i < d->scene.mesh_count; i++)
+        triangles += d->scene.meshes[i].triangle_count;
+    printf("valid: %u x %u pixels, %u shapes, %u meshes with %llu triangles, %u materials, %u lights\n",
+           d->scene.film.width_px, d->scene.film.height_px, d->scene.shape_count,
+           d->scene.mesh_count, (unsigned long long)triangles, d->scene.material_count,
+           d->scene.light_count);
+    if (unread)
+        printf("not read: %u meshes that are named by their hash only\n", unread);
+}
+
+int cmd_check(int argc, char *const *args)
+{
+    bool json = false;
+    const struct flags_entry flags[] = {{.name = "json", .kind = FLAGS_SWITCH, .value = &json}};
+    const struct cmd_spec spec = {"check", usage, flags, countof(flags), 1, 1};
+    const char *file;
+    size_t operands;
+    int status;
+    if (!cmd_parse(&spec, argc, args, &file, &operands, &status))
+        return status;
+
+    struct arena arena = {0};
+    struct scene_disk scene;
+    struct scene_errors errors;
+    uint32_t unread = 0;
+    const bool valid = scene_disk_open(&scene, file, &arena, &errors) &&
+                       scene_disk_load(&scene, &arena, &unread, &errors);
+    if (json)
+        print_json(&errors);
+    else if (valid)
+        print_summary(&scene, unread);
+    else
+        cmd_fail_scene(file, &errors);
+    arena_release(&arena);
+    return valid ? CMD_OK : CMD_INPUT;
+}

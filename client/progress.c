@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT */
+#include "client/progress.h"
+
+#include <stdarg.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { PLAIN_EVERY_MS = 5000, BAR = 24 };
+
+struct text {
+    char *out;
+    size_t room, used;
+};
+
+static void add(struct text *, const char *fmt, ...) PRINTF(2, 3);
+
+static void add(struct text *t, const char *fmt, ...)
+{
+    va_list ap;
+    va_start(ap, fmt);
+    const int n = vsnprintf(t->out + t->used, t->room - t->used, fmt, ap);
+    va_end(ap);
+    if (n > 0)
+        t->used = min_size(t->used + (size_t)n, t->room - 1);
+}
+
+static void add_rate(struct text *t, double rate)
+{
+    if (rate >= 1e6)
+        add(t, "  %.2f Msamples/s", rate * 1e-6);
+    else
+        add(t, "  %.1f ksamples/s", rate * 1e-3);
+}
+
+static void add_time(struct text *t, double seconds)
+{
+    const long s = seconds < 1e8 ? (long)(seconds + .5) : 100000000;
+    if (s >= 3600)
+        add(t, "  %ld:%02ld:%02ld left", s / 3600, s / 60 % 60, s % 60);
+    else
+        add(t, "  %ld:%02ld left", s / 60, s % 60);
+}
+
+static int percent(const struct remote_job *job)
+{
+    const double p = job->progress;
+    return p >= 1 ? 100 : p > 0 ? (int)(p * 100) : 0; /* 100 % only at the end; 0 for a NaN */
+}
+
+void progress_text(const struct remote_job *job, char *out, size_t bytes)
+{
+    struct text t = {out, bytes, 0};
+    add(&t, "%3d %%  %u spp", percent(job), job->spp);
+    if (job->error >= 0)
+        add(&t, "  error %.3g", job->error);
+    if (job->rate > 0)
+        add_rate(&t, job->rate);
+    if (job->workers)
+        add(&t, "  %u worker%s", job->workers, job->workers == 1 ? "" : "s");
+    if (job->eta_seconds >= 0 && !remote_is_over(job->state))
+        add_time(&t, job->eta_seconds);
+}
+
+struct progress progress_make(FILE *out, bool quiet)
+{
+    return (struct progress){
+        .out = out,
+        .style = quiet                  ? PROGRESS_QUIET
+                 : isatty(fileno(out)) ? PROGRESS_MOVING
+                                       : PROGRESS_PLAIN,
+    };
+}
+
+static void show_moving(struct progress *p, const struct remote_job *job)
+{
+    char bar[BAR + 1], text[160];
+    const size_t full = (size_t)percent(job) * BAR / 100;
+    memset(bar, ' ', BAR);
+    memset(bar, '#', full);
+    bar[BAR] = 0;
+    progress_text(job, text, sizeof text);
+    fprintf(p->out, "\r%-9s [%s] %s\033[K", remote_state_name(job->state), bar, text);
+    fflush(p->out);
+    p->on_line = true;
+}
+
+void progress_show(struct progress *p, const struct remote_job *job, int64_t now_ms)
+{
+    const bool fresh = !p->started || job->state != p->last_state;
+    char text[160];
+    switch (p->style) {
+    case PROGRESS_QUIET:
+        break;
+    case PROGRESS_MOVING:
+        show_moving(p, job);
+        break;
+    case PROGRESS_PLAIN:
+        if (!fresh && now_ms - p->last_ms < PLAIN_EVERY_MS)
+            return;
+        progress_text(job, text, sizeof text);
+        fprintf(p->out, "%s %s\n", remote_state_name(job->state), text);
+        fflush(p->out);
+        p->last_ms = now_ms;
+        break;
+    }
+    p->started = true;
+    p->last_state = job->state;
+}
+
+void progress_end(struct progress *p)
+{
+    if (p->on_line)
+        fputc('\n', p->out);
+    p->on_line = false;
+}

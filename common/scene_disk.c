@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: MIT */
+#include "common/scene_disk.h"
+
+#include <string.h>
+
+#include "common/mesh.h"
+
+enum { MAX_ERRORS = 100 };
+
+#define FILE_MAX_BYTES ((size_t)2 << 30) /* what a coordinator takes as an asset */
+
+static bool fail(struct scene_errors *errors, struct arena *arena, enum err_code code,
+                 const char *where, const char *what)
+{
+    if (!errors->list)
+        errors->list = arena_new(arena, struct scene_error, MAX_ERRORS);
+    if (errors->count < MAX_ERRORS)
+        errors->list[errors->count++] =
+            (struct scene_error){code, arena_strdup(arena, where), arena_strdup(arena, what)};
+    return false;
+}
+
+static const char *beside(const char *document, const char *file, struct arena *arena)
+{
+    const char *slash = strrchr(document, '/');
+    if (*file == '/' || !slash)
+        return arena_strdup(arena, file);
+    return arena_printf(arena, "%.*s/%s", (int)(slash - document), document, file);
+}
+
+bool scene_disk_open(struct scene_disk *d, const char *path, struct arena *arena,
+                     struct scene_errors *errors)
+{
+    struct buf bytes = {0};
+    struct err err;
+    *d = (struct scene_disk){0};
+    *errors = (struct scene_errors){0};
+    if (!buf_read_file(&bytes, path, SCENE_MAX_BYTES, &err)) {
+        buf_release(&bytes);
+        return fail(errors, arena, err.code, "", err.text);
+    }
+    char *json = arena_new(arena, char, bytes.size + 1);
+    if (bytes.size)
+        memcpy(json, bytes.data, bytes.size);
+    d->json = json;
+    d->json_bytes = bytes.size;
+    buf_release(&bytes);
+    if (!scene_parse(&d->scene, d->json, d->json_bytes, SCENE_FROM_DISK, arena, errors))
+        return false;
+    d->assets = arena_new(arena, struct scene_disk_asset, d->scene.mesh_count);
+    for (uint32_t i = 0; i < d->scene.mesh_count; i++)
+        if (d->scene.meshes[i].file)
+            d->assets[i].path = beside(path, d->scene.meshes[i].file, arena);
+    return true;
+}
+
+static const char *pointer_of(const struct scene *scene, uint32_t mesh, struct arena *arena)
+{
+    for (uint32_t i = 0; i < scene->shape_count; i++)
+        if (scene->shapes[i].kind == SHAPE_MESH && scene->shapes[i].mesh.mesh == mesh)
+            return arena_printf(arena, "/shapes/%u", i);
+    return "";
+}
+
+static bool load_mesh(struct scene_disk *d, uint32_t i, struct arena *arena, struct err *err)
+{
+    struct scene_disk_asset *asset = &d->assets[i];
+    struct buf bytes = {0};
+    bool good = buf_read_file(&bytes, asset->path, FILE_MAX_BYTES, err);
+    if (good) {
+        asset->bytes = bytes.size;
+        hash_hex(bytes.data, bytes.size, asset->hex);
+        good = mesh_read(&d->scene.meshes[i], bytes.data, bytes.size, arena, err) ||
+               err_at(err, "%s", asset->path);
+    }
+    buf_release(&bytes);
+    return good;
+}
+
+bool scene_disk_load(struct scene_disk *d, struct arena *arena, uint32_t *unread,
+                     struct scene_errors *errors)
+{
+    struct err err;
+    *unread = 0;
+    *errors = (struct scene_errors){0};
+    for (uint32_t i = 0; i < d->scene.mesh_count; i++) {
+        if (d->scene.meshes[i].format == MESH_INLINE)
+            continue;
+        if (!d->assets[i].path)
+            ++*unread;
+        else if (!load_mesh(d, i, arena, &err))
+            fail(errors, arena, err.code, pointer_of(&d->scene, i, arena), err.text);
+    }
+    return !errors->count;
+}
+
+const char *scene_disk_send(const struct scene_disk *d, struct arena *arena)
+{
+    bool any = false;
+    for (uint32_t i = 0; i < d->scene.mesh_count; i++)
+        any |= d->assets[i].path != NULL;
+    if (!any)
+        return d->json;
+    char(*hex)[HASH_HEX] = (char(*)[HASH_HEX])arena_alloc(arena, d->scene.mesh_count, HASH_HEX, 1);
+    for (uint32_t i = 0; i < d->scene.mesh_count; i++)
+        memcpy(hex[i], d->assets[i].hex, HASH_HEX);
+    return scene_name_assets(d->json, d->json_bytes, (const char(*)[HASH_HEX])hex, arena);
+}

@@ -1,0 +1,44 @@
+/* bsdf.h - how a surface scatters: eval, sample, pdf.
+ *
+ * Directions are local and unit: z is the geometric normal of the front side (shading normals do
+ * not exist yet), wo and wi point away from the surface, and either may lie below it.
+ * Opaque materials look the same from both sides. Only radiance is transported, towards
+ * the camera.
+ *
+ * A delta material scatters into single directions, which eval and pdf cannot see (both 0): only
+ * sampling finds them.
+ * SPDX-License-Identifier: MIT */
+#ifndef COMMON_TRACE_BSDF_H
+#define COMMON_TRACE_BSDF_H
+
+#include "common/scene.h"
+#include "common/trace/sobol.h"
+
+/* Below this GGX width a conductor is a perfect mirror. The lobe is then narrower than a tenth of a
+ * degree and the change cannot be seen (albedos move by less than 1e-3); and rounding moves a half
+ * vector by 2^-23, a ten-thousandth of the lobe: further down, the density at which float
+ * directions are sampled would visibly part from pdf. */
+#define BSDF_LEAST_ALPHA 0x1p-10f
+
+struct bsdf_sample {
+    vec3 wi;
+    rgb weight;      /* f |wi.z| / pdf */
+    float pdf_w;     /* what bsdf_pdf_w says; 0: a delta direction */
+    float scale;     /* the part of weight that is only the change of radiance on entering another
+                      * index of refraction: (near / far)^2; 1 for reflection. It is undone when
+                      * the path leaves again, so roulette divides it out */
+};
+
+bool bsdf_is_delta(const struct material *);
+
+/* f |wi.z|. */
+rgb bsdf_eval(const struct material *, vec3 wo, vec3 wi);
+
+float bsdf_pdf_w(const struct material *, vec3 wo, vec3 wi);
+
+/* False: this sample carries nothing, the path ends. The chances of that belong to the
+ * distribution: pdf_w integrates to 1 less them. */
+bool bsdf_sample(const struct material *, vec3 wo, float lobe, struct square direction,
+                 struct bsdf_sample *);
+
+#endif

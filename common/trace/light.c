@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: MIT */
+#include "common/trace/light.h"
+
+#include "common/trace/warp.h"
+
+static const struct emitter *emitter_at(const struct stage *s, uint32_t emitter)
+{
+    return (const struct emitter *)stage_at(s, s->emitters) + emitter;
+}
+
+/* What the cumulative table says and not emitter.pick: a table of floats rounds, and the weights must
+ * belong to what is really done. An emitter too weak for the table has probability 0 and
+ * is left to the BSDF's sampling, whose MIS weight is then 1: nothing is lost. */
+static double pick_probability(const struct stage *s, uint32_t emitter)
+{
+    const float *cdf = stage_at(s, s->pick_cdf);
+    return (double)cdf[emitter + 1] - (double)cdf[emitter];
+}
+
+/* The emitter whose part of the cumulative table holds u = bits 2^-32. */
+static uint32_t pick_emitter(const struct stage *s, uint32_t bits)
+{
+    const float *cdf = stage_at(s, s->pick_cdf);
+    const double u = bits * 0x1p-32;
+    uint32_t begin = 0, end = (uint32_t)s->emitters.count; /* cdf[begin] <= u < cdf[end] */
+    while (end - begin > 1) {
+        const uint32_t middle = begin + (end - begin) / 2;
+        if ((double)cdf[middle] <= u)
+            begin = middle;
+        else
+            end = middle;
+    }
+    return begin;
+}
+
+/* --- triangles and discs: uniform by area --- */
+
+/* pdf_a turned into pdf_w: seen from d away, area shrinks by cos / d^2. 0 from behind. */
+static float area_pdf_w(vec3 d, vec3 ng, float area)
+{
+    const float dd = vec3_dot(d, d);
+    const float cos = -vec3_dot(d, ng) / __builtin_sqrtf(dd);
+    return cos > 0 ? dd / (cos * area) : 0;
+}
+
+static struct surface point_on_triangle(const struct stage *s, uint32_t prim, struct square q)
+{
+    const struct square b = warp_triangle(q);
+    return surface_on_triangle(s, prim, b.u, b.v);
+}
+
+static struct surface point_on_disc(const struct stage *s, uint32_t prim, uint32_t index,
+                                    struct square q)
+{
+    const struct stage_disc *disc = (const struct stage_disc *)stage_at(s, s->discs) + index;
+    const struct warp_frame f = warp_frame_make(vec3_load(disc->normal));
+    const vec3 p = warp_to_world(&f, warp_disc(q)) * disc->radius;
+    return surface_on_disc(s, prim, vec3_load(disc->center) + p);
+}
+
+/* --- spheres: uniform in the cone they fill --- */
+
+static const struct stage_sphere *sphere_at(const struct stage *s, uint32_t index)
+{
+    return (const struct stage_sphere *)stage_at(s, s->spheres) + index;
+}
+
+/* 1 - cos of the cone's half angle; its sine is radius / distance. 0 from inside, where the
+ * sphere does not shine. Written without the difference, which has no digits for a far sphere. */
+static float sphere_cap(const struct stage_sphere *sphere, vec3 to_center)
+{
+    const float ss = sphere->radius * sphere->radius / vec3_dot(to_center, to_center);
+    return ss < 1 ? ss / (1 + __builtin_sqrtf(1 - ss)) : 0;
+}
+
+static float sphere_pdf_w(const struct stage_sphere *sphere, vec3 to_center)
+{
+    const float cap = sphere_cap(sphere, to_center);
+    return cap > 0 ? warp_cap_pdf_w(cap) : 0;
+}
+
+/* Where a direction of the cone, theta off its axis, first meets the sphere: at the angle alpha from
+ * the axis as seen from the centre. With rho = sin(theta) / sin(theta_max) and distance in radii
+ * 1 / sin(theta_max):
+ *     sin alpha = rho (cos theta - sin theta_max sqrt(1 - rho^2))
+ *     cos alpha = rho^2 sin theta_max + cos theta sqrt(1 - rho^2) */
+static struct surface point_on_sphere(const struct stage *s, uint32_t prim,
+                                      const struct stage_sphere *sphere, vec3 to_center,
+                                      struct square q)
+{
+    const float distance = vec3_length(to_center);
+    const struct warp_frame f = warp_frame_make(to_center / distance);
+    const float sine_max = sphere->radius / distance;
+    const float cap = sphere_cap(sphere, to_center);
+    const float m = cap * q.u;                       /* 1 - cos theta */
+    const float rr = q.u * (2 - m) / (2 - cap);      /* rho^2 = m (2 - m) / (cap (2 - cap)) */
+    const float root = __builtin_sqrtf(rr < 1 ? 1 - rr : 0);
+    const float sine = __builtin_sqrtf(rr) * ((1 - m) - sine_max * root);
+    const float cosine = rr * sine_max + (1 - m) * root;
+    float a, b;
+    fmath_sincos_turns(q.v, &a, &b);
+    return surface_on_sphere(s, prim, warp_to_world(&f, vec3_make(sine * b, sine * a, -cosine)));
+}
+
+/* --- the choice --- */
+
+/* No flat or round primitive sees its own front, so `from` never chooses its own. */
+static bool sample_primitive(const struct stage *s, const struct surface *from,
+                             const struct emitter *e, double pick, struct square q,
+                             struct light_sample *out)
+{
+    if (e->prim == from->prim)
+        return false;
+    const struct stage_prim *prim = (const struct stage_prim *)stage_at(s, s->prims) + e->prim;
+    struct surface on;
+    float pdf_w = 0;
+    switch ((enum stage_prim_kind)prim->kind) {
+    case STAGE_TRIANGLE:
+        on = point_on_triangle(s, e->prim, q);
+        pdf_w = area_pdf_w(on.p - from->p, on.ng, e->area);
+        break;
+    case STAGE_DISC:
+        on = point_on_disc(s, e->prim, prim->index, q);
+        pdf_w = area_pdf_w(on.p - from->p, on.ng, e->area);
+        break;
+    case STAGE_SPHERE: {
+        const struct stage_sphere *sphere = sphere_at(s, prim->index);
+        const vec3 to_center = vec3_load(sphere->center) - from->p;
+        pdf_w = sphere_pdf_w(sphere, to_center);
+        if (pdf_w > 0)
+            on = point_on_sphere(s, e->prim, sphere, to_center, q);
+        break;
+    }
+    }
+    if (!(pdf_w > 0))
+        return false;
+    out->pdf_w = (float)pick * pdf_w;
+    out->value = vec3_load(e->radiance) / out->pdf_w;
+    out->wi = vec3_unit(on.p - from->p);
+    out->shadow = surface_to_surface(from, &on);
+    return true;
+}
+
+bool light_sample(const struct stage *s, const struct surface *from, uint32_t pick,
+                  struct square position, struct light_sample *out)
+{
+    if (s->emitters.count == 0)
+        return false;
+    const uint32_t chosen = pick_emitter(s, pick);
+    const double probability = pick_probability(s, chosen);
+    const struct emitter *e = emitter_at(s, chosen);
+    switch (e->kind) {
+    case EMITTER_PRIM:
+        return sample_primitive(s, from, e, probability, position, out);
+    case EMITTER_POINT: {
+        const vec3 d = vec3_load(e->at) - from->p;
+        const float dd = vec3_dot(d, d);
+        if (!(dd > 0))
+            return false;
+        out->wi = vec3_unit(d);
+        out->value = vec3_load(e->radiance) / (dd * (float)probability);
+        out->pdf_w = 0;
+        out->shadow = surface_to_point(from, vec3_load(e->at));
+        return true;
+    }
+    case EMITTER_DISTANT:
+        out->wi = -vec3_load(e->at);
+        out->value = vec3_load(e->radiance) / (float)probability;
+        out->pdf_w = 0;
+        out->shadow = surface_leave(from, out->wi);
+        return true;
+    }
+    __builtin_unreachable();
+}
+
+float light_pdf_w(const struct stage *s, vec3 from, const struct surface *at)
+{
+    const struct emitter *e = emitter_at(s, at->emitter);
+    const struct stage_prim *prim = (const struct stage_prim *)stage_at(s, s->prims) + at->prim;
+    const float pick = (float)pick_probability(s, at->emitter);
+    switch ((enum stage_prim_kind)prim->kind) {
+    case STAGE_TRIANGLE:
+    case STAGE_DISC:
+        return pick * area_pdf_w(at->p - from, at->ng, e->area);
+    case STAGE_SPHERE: {
+        const struct stage_sphere *sphere = sphere_at(s, prim->index);
+        return pick * sphere_pdf_w(sphere, vec3_load(sphere->center) - from);
+    }
+    }
+    __builtin_unreachable();
+}

@@ -1,0 +1,32 @@
+/* light.h - next-event estimation: choosing a direction to a light, and the density of that choice.
+ *
+ * One emitter is picked by the stage's pick_cdf, then a point on it: triangles and discs uniformly
+ * by area, spheres uniformly by the solid angle they fill, point and distant lights as they are.
+ * Emission is one-sided: only the front of a surface shines.
+ *
+ * The sky is no emitter here. It has one radiance everywhere, so sampling it would be sampling the
+ * sphere blindly: the BSDF's own sampling is never worse, and finds it with weight 1.
+ * SPDX-License-Identifier: MIT */
+#ifndef COMMON_TRACE_LIGHT_H
+#define COMMON_TRACE_LIGHT_H
+
+#include "common/trace/sobol.h"
+#include "common/trace/surface.h"
+
+struct light_sample {
+    vec3 wi;     /* unit, from the surface to the light */
+    rgb value;   /* radiance that arrives along wi, divided by the density of the choice; for a
+                  * delta light irradiance on a surface across wi, divided by the pick alone */
+    float pdf_w; /* of the choice, the pick included; 0: a delta light, which nothing else finds */
+    struct ray shadow; /* hits nothing: the light is seen */
+};
+
+/* pick: 32 random bits. False: nothing arrives from what was chosen. */
+bool light_sample(const struct stage *, const struct surface *from, uint32_t pick,
+                  struct square position, struct light_sample *);
+
+/* The density with which light_sample at `from` would have chosen the front side of `at`, a point of
+ * an emissive primitive seen from there. */
+float light_pdf_w(const struct stage *, vec3 from, const struct surface *at);
+
+#endif

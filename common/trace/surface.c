@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: MIT */
+#include "common/trace/surface.h"
+
+#include "common/trace/round.h"
+
+static const struct stage_prim *prim_at(const struct stage *s, uint32_t prim)
+{
+    return (const struct stage_prim *)stage_at(s, s->prims) + prim;
+}
+
+static vec3 absolute(vec3 v)
+{
+    return vec3_make(__builtin_fabsf(v[0]), __builtin_fabsf(v[1]), __builtin_fabsf(v[2]));
+}
+
+static struct surface make(const struct stage *s, uint32_t prim, vec3 p, vec3 p_error, vec3 ng)
+{
+    const struct stage_prim *is = prim_at(s, prim);
+    return (struct surface){p, p_error, ng, prim, is->material, is->emitter};
+}
+
+/* In double: differences of floats and their products are exact there, so slivers keep a normal. */
+static vec3 triangle_normal(const float v[3][3])
+{
+    double a[3], b[3], n[3];
+    for (int k = 0; k < 3; k++) {
+        a[k] = (double)v[1][k] - (double)v[0][k];
+        b[k] = (double)v[2][k] - (double)v[0][k];
+    }
+    for (int k = 0; k < 3; k++) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        n[k] = a[i] * b[j] - a[j] * b[i];
+    }
+    const double length = __builtin_sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    return vec3_make((float)(n[0] / length), (float)(n[1] / length), (float)(n[2] / length));
+}
+
+struct surface surface_on_triangle(const struct stage *s, uint32_t prim, float u, float v)
+{
+    const struct stage_triangle *t =
+        (const struct stage_triangle *)stage_at(s, s->triangles) + prim_at(s, prim)->index;
+    const vec3 a = vec3_load(t->v[0]) * (1 - u - v);
+    const vec3 b = vec3_load(t->v[1]) * u;
+    const vec3 c = vec3_load(t->v[2]) * v;
+    /* PBRT 4, section 6.8.5: seven roundings at most on the way from vertices to sum. */
+    const vec3 error = round_gamma(7) * (absolute(a) + absolute(b) + absolute(c));
+    return make(s, prim, a + b + c, error, triangle_normal(t->v));
+}
+
+/* Centre and radius are exact by definition; the sum in double is rounded once to float. The second
+ * term covers a direction that is unit only up to float rounding. */
+struct surface surface_on_sphere(const struct stage *s, uint32_t prim, vec3 outward_unit)
+{
+    const struct stage_sphere *sphere =
+        (const struct stage_sphere *)stage_at(s, s->spheres) + prim_at(s, prim)->index;
+    double n[3], length = 0;
+    for (int k = 0; k < 3; k++) {
+        n[k] = (double)outward_unit[k];
+        length += n[k] * n[k];
+    }
+    length = __builtin_sqrt(length);
+    vec3 p = {0}, ng = {0};
+    for (int k = 0; k < 3; k++) {
+        p[k] = (float)((double)sphere->center[k] + (double)sphere->radius * (n[k] / length));
+        ng[k] = (float)(n[k] / length);
+    }
+    return make(s, prim, p, round_gamma(2) * absolute(p), ng);
+}
+
+/* The nearest point of the disc's plane, in double, rounded once to float. */
+struct surface surface_on_disc(const struct stage *s, uint32_t prim, vec3 p)
+{
+    const struct stage_disc *disc =
+        (const struct stage_disc *)stage_at(s, s->discs) + prim_at(s, prim)->index;
+    double off = 0, nn = 0;
+    for (int k = 0; k < 3; k++) {
+        off += ((double)p[k] - (double)disc->center[k]) * (double)disc->normal[k];
+        nn += (double)disc->normal[k] * (double)disc->normal[k];
+    }
+    for (int k = 0; k < 3; k++)
+        p[k] = (float)((double)p[k] - off / nn * (double)disc->normal[k]);
+    return make(s, prim, p, round_gamma(2) * absolute(p), vec3_load(disc->normal));
+}
+
+struct surface surface_at(const struct stage *s, const struct ray *ray, const struct ray_hit *hit)
+{
+    const struct stage_prim *prim = prim_at(s, hit->prim);
+    const vec3 p = ray->origin + hit->t * ray->dir;
+    switch ((enum stage_prim_kind)prim->kind) {
+    case STAGE_TRIANGLE:
+        return surface_on_triangle(s, hit->prim, hit->u, hit->v);
+    case STAGE_SPHERE: {
+        const struct stage_sphere *sphere =
+            (const struct stage_sphere *)stage_at(s, s->spheres) + prim->index;
+        return surface_on_sphere(s, hit->prim, p - vec3_load(sphere->center));
+    }
+    case STAGE_DISC:
+        return surface_on_disc(s, hit->prim, p);
+    }
+    __builtin_unreachable();
+}
+
+/* s.p moved along ng, to the side of dir, until the box of its error is left behind (PBRT 4, section
+ * 6.8.6); rounded outwards. */
+static vec3 outside(const struct surface *s, vec3 p_error, vec3 dir)
+{
+    const float distance = vec3_dot(absolute(s->ng), p_error);
+    const vec3 offset = s->ng * (vec3_dot(dir, s->ng) < 0 ? -distance : distance);
+    vec3 p = s->p + offset;
+    for (int k = 0; k < 3; k++)
+        p[k] = offset[k] > 0 ? round_up(p[k]) : offset[k] < 0 ? round_down(p[k]) : p[k];
+    return p;
+}
+
+struct ray surface_leave(const struct surface *s, vec3 dir)
+{
+    return (struct ray){outside(s, s->p_error, dir), dir, __builtin_inff()};
+}
+
+/* A segment's direction is rounded, so that its end lies up to gamma(1) |d| beside the target; and t of
+ * the target's own surface is computed with an error that tri.h bounds by a multiple of
+ * gamma(8) for a surface that is not seen edge-on. Both are lengths along the segment. */
+struct ray surface_to_surface(const struct surface *from, const struct surface *to)
+{
+    const vec3 way = to->p - from->p;
+    const vec3 origin = outside(from, from->p_error, way);
+    const float blur = round_gamma(9) * vec3_length(way);
+    const vec3 target = outside(to, to->p_error + vec3_make(blur, blur, blur), -way);
+    return (struct ray){origin, target - origin, 1};
+}
+
+struct ray surface_to_point(const struct surface *from, vec3 to)
+{
+    const vec3 origin = outside(from, from->p_error, to - from->p);
+    return (struct ray){origin, to - origin, 1};
+}

@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: MIT */
+#include "tests/naive_path.h"
+
+#include <complex.h>
+#include <math.h>
+
+#include "common/trace/bvh.h"
+#include "common/trace/surface.h"
+
+static const double pi = 3.14159265358979323846;
+
+struct dir {
+    double x, y, z; /* local: z along the side of the surface that wo is on */
+};
+
+static double dot(struct dir a, struct dir b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static struct dir reflect(struct dir w, struct dir m)
+{
+    const double d = 2 * dot(w, m);
+    return (struct dir){d * m.x - w.x, d * m.y - w.y, d * m.z - w.z};
+}
+
+/* Reflectances for both polarisations by Fresnel's equations with a complex index. */
+static double fresnel(double cos, double complex n)
+{
+    const double complex t = csqrt(n * n - (1 - cos * cos)); /* n cos_t */
+    const double complex s = (cos - t) / (cos + t), p = (n * n * cos - t) / (n * n * cos + t);
+    return 0.5 * (creal(s * conj(s)) + creal(p * conj(p)));
+}
+
+static struct dir diffuse(struct dice *dice)
+{
+    const double r = sqrt(dice_unit(dice)), phi = 2 * pi * dice_unit(dice);
+    return (struct dir){r * cos(phi), r * sin(phi), sqrt(1 - r * r)};
+}
+
+/* Refraction, or reflection by chance; *scale takes the change of radiance. */
+static struct dir dielectric(double eta, struct dir wo, struct dice *dice, double *scale)
+{
+    if (eta == 1)
+        return (struct dir){-wo.x, -wo.y, -wo.z};
+    const double sine = sqrt(wo.x * wo.x + wo.y * wo.y) / eta;
+    if (sine >= 1 || dice_unit(dice) < fresnel(wo.z, eta))
+        return (struct dir){-wo.x, -wo.y, wo.z};
+    *scale = 1 / (eta * eta);
+    return (struct dir){-wo.x / eta, -wo.y / eta, -sqrt(1 - sine * sine)};
+}
+
+/* Smith's Lambda for GGX. */
+static double lambda(struct dir w, double alpha)
+{
+    const double t = alpha * alpha * (w.x * w.x + w.y * w.y) / (w.z * w.z);
+    return (sqrt(1 + t) - 1) / 2;
+}
+
+/* Facets by D(m) m.z (Walter et al. 2007, eq. 35), visible or not. */
+static bool conductor(const struct material *m, struct dir wo, struct dice *dice, struct dir *wi,
+                      double weight[3])
+{
+    const double alpha = (double)m->conductor.alpha;
+    const double u = dice_unit(dice), phi = 2 * pi * dice_unit(dice);
+    const double c = 1 / sqrt(1 + alpha * alpha * u / (1 - u)), s = sqrt(1 - c * c);
+    const struct dir h = {s * cos(phi), s * sin(phi), c};
+    const double oh = dot(wo, h);
+    *wi = reflect(wo, h);
+    if (oh <= 0 || wi->z <= 0)
+        return false;
+    const double g = 1 / (1 + lambda(wo, alpha) + lambda(*wi, alpha));
+    for (int k = 0; k < 3; k++) {
+        const double complex i = (double complex)I * (double)m->conductor.k[k];
+        const double complex n = (double)m->conductor.eta[k] + i;
+        weight[k] = fresnel(oh, n) * g * oh / (wo.z * h.z);
+    }
+    return true;
+}
+
+static bool scatter(const struct material *m, bool front, struct dir wo, struct dice *dice,
+                    struct dir *wi, double weight[3])
+{
+    double scale = 1;
+    switch (m->kind) {
+    case MATERIAL_DIFFUSE:
+        *wi = diffuse(dice);
+        for (int k = 0; k < 3; k++)
+            weight[k] = (double)m->diffuse.albedo[k];
+        return true;
+    case MATERIAL_MIRROR:
+        *wi = (struct dir){-wo.x, -wo.y, wo.z};
+        for (int k = 0; k < 3; k++)
+            weight[k] = (double)m->mirror.reflectance[k];
+        return true;
+    case MATERIAL_DIELECTRIC:
+        *wi = dielectric(front ? (double)m->dielectric.ior : 1 / (double)m->dielectric.ior, wo, dice,
+                         &scale);
+        weight[0] = weight[1] = weight[2] = scale;
+        return true;
+    case MATERIAL_CONDUCTOR:
+        return conductor(m, wo, dice, wi, weight);
+    }
+    __builtin_unreachable();
+}
+
+/* Any two directions across z make a frame: materials have no tangent. */
+static void tangents(vec3 z, vec3 *x, vec3 *y)
+{
+    const vec3 off = fabsf(z[0]) < 0.5f ? vec3_make(1, 0, 0) : vec3_make(0, 1, 0);
+    *x = vec3_unit(vec3_cross(off, z));
+    *y = vec3_cross(z, *x);
+}
+
+static void add(double sum[3], const double throughput[3], vec3 radiance)
+{
+    for (int k = 0; k < 3; k++)
+        sum[k] += throughput[k] * (double)radiance[k];
+}
+
+void naive_path_radiance(const struct stage *s, struct ray ray, struct dice *dice, double sum[3])
+{
+    const struct material *materials = stage_at(s, s->materials);
+    const struct emitter *emitters = stage_at(s, s->emitters);
+    double throughput[3] = {1, 1, 1};
+    for (uint32_t bounce = 0;; bounce++) {
+        struct ray_hit hit;
+        if (!bvh_hit_closest(s, &ray, &hit)) {
+            add(sum, throughput, s->sky);
+            return;
+        }
+        const struct surface at = surface_at(s, &ray, &hit);
+        const bool front = vec3_dot(ray.dir, at.ng) < 0;
+        if (front && at.emitter != STAGE_NONE)
+            add(sum, throughput, vec3_load(emitters[at.emitter].radiance));
+        if (bounce == s->settings.max_bounces)
+            return;
+        const vec3 z = front ? at.ng : -at.ng;
+        vec3 x, y;
+        tangents(z, &x, &y);
+        const struct dir wo = {(double)-vec3_dot(ray.dir, x), (double)-vec3_dot(ray.dir, y),
+                               (double)-vec3_dot(ray.dir, z)};
+        struct dir wi;
+        double weight[3], left = 0;
+        if (!scatter(&materials[at.material], front, wo, dice, &wi, weight))
+            return;
+        for (int k = 0; k < 3; k++)
+            left += throughput[k] *= weight[k];
+        if (left == 0)
+            return;
+        ray = surface_leave(&at, vec3_unit(x * (float)wi.x + y * (float)wi.y + z * (float)wi.z));
+    }
+}
+
+void naive_path_sample(const struct stage *s, uint32_t x_px, uint32_t y_px, struct dice *dice,
+                       double sum[3])
+{
+    const struct stage_camera *c = &s->camera;
+    const float x = (float)(x_px + dice_unit(dice)), y = (float)(y_px + dice_unit(dice));
+    const vec3 dir = vec3_load(c->corner) + x * vec3_load(c->dx) + y * vec3_load(c->dy);
+    const struct ray ray = {vec3_load(c->origin), vec3_unit(dir), INFINITY};
+    naive_path_radiance(s, ray, dice, sum);
+}

@@ -1,0 +1,22 @@
+/* naive_path.h - the oracle: a path tracer without any trick.
+ *
+ * Every direction is sampled from the material alone; light counts where a path happens to meet it.
+ * No next-event estimation, no MIS, no roulette, independent random numbers, textbook formulas
+ * in double. It shares with the core only the stage, the intersections and surface points.
+ * Point and distant lights are never met: scenes with them are beyond it.
+ * SPDX-License-Identifier: MIT */
+#ifndef TESTS_NAIVE_PATH_H
+#define TESTS_NAIVE_PATH_H
+
+#include "common/trace/ray.h"
+#include "common/trace/stage.h"
+#include "tests/dice.h"
+
+/* Adds one estimate of the radiance along the ray to sum. */
+void naive_path_radiance(const struct stage *, struct ray, struct dice *, double sum[3]);
+
+/* Adds one sample of a pixel, box filter only. */
+void naive_path_sample(const struct stage *, uint32_t x_px, uint32_t y_px, struct dice *,
+                       double sum[3]);
+
+#endif

@@ -1,0 +1,56 @@
+/* scenes.h - scenes built in C, for tests: the struct that scene_parse would have filled.
+ *
+ * Each add function returns what was added, to be changed on the spot: its emission, say.
+ * SPDX-License-Identifier: MIT */
+#ifndef TESTS_SCENES_H
+#define TESTS_SCENES_H
+
+#include "common/film.h"
+#include "common/scene.h"
+#include "common/trace/stage.h"
+
+enum { SCENES_MAX_SHAPES = 256, SCENES_MAX = 32 }; /* shapes; materials, meshes, lights */
+
+struct scenes {
+    struct arena arena;
+    struct scene scene;
+};
+
+/* A box filter of one pixel, 64 bounces, seed 1, a camera at the origin. */
+void scenes_init(struct scenes *, uint32_t width_px, uint32_t height_px);
+void scenes_release(struct scenes *); /* the stage goes with it */
+
+void scenes_look(struct scenes *, vec3 from, vec3 at, double fov_y_rad);
+
+uint32_t scenes_diffuse(struct scenes *, rgb albedo); /* materials: their index */
+uint32_t scenes_mirror(struct scenes *, rgb reflectance);
+uint32_t scenes_glass(struct scenes *, float ior);
+uint32_t scenes_metal(struct scenes *, rgb eta, rgb k, float alpha);
+
+struct shape *scenes_sphere(struct scenes *, uint32_t material, vec3 center, float radius);
+struct shape *scenes_disc(struct scenes *, uint32_t material, vec3 center, vec3 normal, float radius);
+/* The parallelogram corner, corner + a, corner + a + b, corner + b; its front is where a x b points. */
+struct shape *scenes_quad(struct scenes *, uint32_t material, vec3 corner, vec3 a, vec3 b);
+struct shape *scenes_triangle(struct scenes *, uint32_t material, vec3 a, vec3 b, vec3 c);
+/* The first of six quads. Their fronts are inside or outside. */
+struct shape *scenes_box(struct scenes *, uint32_t material, vec3 lo, vec3 hi, bool inside);
+/* A sphere of 2 n^2 quadrangles, its radius wavy by the given part. */
+struct shape *scenes_ball(struct scenes *, uint32_t material, vec3 center, float radius, uint32_t n,
+                          float wave, bool inside);
+
+struct light *scenes_light(struct scenes *, enum light_kind);
+void scenes_sky(struct scenes *, rgb radiance);
+
+const struct stage *scenes_stage(struct scenes *); /* aborts with the message when prep refuses */
+
+/* The whole frame, in passes as a job has them. The caller releases the film. */
+void scenes_render(const struct stage *, uint32_t spp, struct film *);
+
+/* Mean of all pixels of one channel, and its standard error from the replicates. */
+struct scenes_mean {
+    double mean, error;
+};
+
+struct scenes_mean scenes_mean(const struct film *, int channel);
+
+#endif

@@ -1,0 +1,300 @@
+/* bsdf.h, fresnel.h, microfacet.h: eval, sample and pdf agree; energy, reciprocity, known values.
+ * SPDX-License-Identifier: MIT */
+#include "common/trace/bsdf.h"
+
+#include <math.h>
+
+#include "common/trace/fresnel.h"
+#include "common/trace/microfacet.h"
+#include "common/trace/rng.h"
+#include "tests/dice.h"
+#include "tests/sphere_chi2.h"
+#include "tests/stat.h"
+#include "tests/tap.h"
+
+static const double pi = 3.14159265358979323846;
+
+static struct material diffuse(float albedo)
+{
+    return (struct material){.kind = MATERIAL_DIFFUSE, .diffuse = {rgb_gray(albedo)}};
+}
+
+static struct material glass(float ior)
+{
+    return (struct material){.kind = MATERIAL_DIELECTRIC, .dielectric = {ior}};
+}
+
+static struct material metal(float eta, float k, float alpha)
+{
+    return (struct material){.kind = MATERIAL_CONDUCTOR,
+                             .conductor = {rgb_gray(eta), rgb_gray(k), alpha}};
+}
+
+/* Reflects everything: Fresnel's F is 1 less 4e-10. */
+static struct material silver(float alpha)
+{
+    return metal(1, 1e5f, alpha);
+}
+
+static vec3 direction(double z, double phi)
+{
+    const double r = sqrt(1 - z * z);
+    return vec3_make((float)(r * cos(phi)), (float)(r * sin(phi)), (float)z);
+}
+
+/* --- sample follows pdf --- */
+
+struct view {
+    struct material m;
+    vec3 wo;
+};
+
+static bool view_sample(const void *what, struct square q, vec3 *w, float *pdf_w)
+{
+    const struct view *v = what;
+    struct bsdf_sample s;
+    if (!bsdf_sample(&v->m, v->wo, 0, q, &s))
+        return false;
+    *w = s.wi;
+    *pdf_w = s.pdf_w;
+    return true;
+}
+
+static float view_pdf_w(const void *what, vec3 w)
+{
+    const struct view *v = what;
+    return bsdf_pdf_w(&v->m, v->wo, w);
+}
+
+static const double cosines[] = {1, 0.9, 0.7, 0.4, 0.15, 0.02, -0.3, -0.95};
+
+static void samples_follow_pdf(struct material m, const char *name)
+{
+    double p = 1, mass = 0, pdf_off = 0;
+    for (size_t i = 0; i < countof(cosines); i++) {
+        const struct view v = {m, direction(cosines[i], (double)i)};
+        const struct sphere_chi2 t = {view_sample, view_pdf_w, &v, 0};
+        const struct sphere_chi2_result r = sphere_chi2_run(&t, 300000 / STAT_SLOW, i);
+        p = fmin(p, r.p);
+        mass = fmax(mass, fabs(r.mass_off) / fmax(1e-3, 4 * r.mass_sd));
+        pdf_off = fmax(pdf_off, r.pdf_off);
+    }
+    const double tests = 5 * countof(cosines);
+    ok(p > stat_sidak(0.01, tests), "%s: samples follow the pdf from 8 directions (p %.4f)", name, p);
+    ok(mass < 1, "%s: pdf and rejections add up to 1 (%.2f of what is allowed)", name, mass);
+    ok(pdf_off < 1e-4, "%s: pdf sampled is pdf asked (%.1e)", name, pdf_off);
+}
+
+/* --- weight is eval / pdf, and no more than 1 --- */
+
+static void weights_agree(struct material m, double tolerance, const char *name)
+{
+    struct dice dice = dice_make(11);
+    double off = 0, most = 0;
+    for (int i = 0; i < 200000 / STAT_SLOW; i++) {
+        const double z = dice_range(&dice, -1, 1), phi = dice_range(&dice, 0, 6);
+        struct square q;
+        q.u = dice_float(&dice);
+        q.v = dice_float(&dice);
+        const vec3 wo = direction(z, phi);
+        struct bsdf_sample s;
+        if (!bsdf_sample(&m, wo, 0, q, &s) || fabsf(s.wi[2]) < 1e-4f)
+            continue;
+        most = fmax(most, (double)rgb_max(s.weight));
+        const rgb f = bsdf_eval(&m, wo, s.wi);
+        off = fmax(off, fabs((double)f[1] / ((double)s.weight[1] * (double)s.pdf_w) - 1));
+    }
+    ok(off < tolerance, "%s: weight x pdf is eval (%.1e)", name, off);
+    ok(most <= 1.000001, "%s: no weight above 1", name);
+}
+
+/* --- reciprocity --- */
+
+static void is_reciprocal(struct material m, const char *name)
+{
+    struct dice dice = dice_make(12);
+    int bad = 0;
+    for (int i = 0; i < 100000 / STAT_SLOW; i++) {
+        const double side = dice_unit(&dice) < 0.5 ? -1 : 1;
+        const double za = side * dice_range(&dice, 1e-3, 1), a = dice_range(&dice, 0, 7);
+        const double zb = side * dice_range(&dice, 1e-3, 1), b = dice_range(&dice, 0, 7);
+        const vec3 o = direction(za, a), w = direction(zb, b);
+        const double f = (double)bsdf_eval(&m, o, w)[0] / fabs((double)w[2]);
+        const double g = (double)bsdf_eval(&m, w, o)[0] / fabs((double)o[2]);
+        bad += !(fabs(f - g) <= 1e-5 * fmax(f, g) + 1e-6);
+    }
+    ok(bad == 0, "%s: reciprocal", name);
+}
+
+/* Radiance form of f(i -> t) n_i^2 = f(t -> i) n_t^2: transmittances both ways are equal, and the
+ * weight carries the squared ratio of indices. */
+static void refraction_is_reciprocal(void)
+{
+    double off = 0;
+    for (int i = 100; i < 1000; i++) { /* rounding of cos_t is magnified towards grazing */
+        const struct material m = glass(1.5f);
+        const vec3 wo = direction(i / 1000.0, 1);
+        struct bsdf_sample in, out;
+        float cos_t, back;
+        const float f = fresnel_dielectric(wo[2], 1.5f, &cos_t);
+        const float g = fresnel_dielectric(cos_t, 1 / 1.5f, &back);
+        off = fmax(off, (double)fabsf(f - g));
+        if (!bsdf_sample(&m, wo, 1 - 0x1p-24f, (struct square){0, 0}, &in) ||
+            !bsdf_sample(&m, in.wi, 1 - 0x1p-24f, (struct square){0, 0}, &out))
+            off = 1;
+        off = fmax(off, (double)vec3_length(out.wi - wo));
+        off = fmax(off, fabs((double)(in.weight[0] * out.weight[0]) - 1));
+        off = fmax(off, fabs((double)(in.weight[0] - 1 / (1.5f * 1.5f))));
+    }
+    ok(off < 1e-5, "refraction there and back is the identity, weighted 1/n^2 and n^2 (%.1e)", off);
+}
+
+/* --- known values --- */
+
+static void fresnel_values(void)
+{
+    float t;
+    const double f45 = 0.5 * (.0920133630 * .0920133630 + .3033370453 * .3033370453);
+    const double f10 = 0.5 * (.1904679720 * .1904679720 + .2094943196 * .2094943196);
+    near((double)fresnel_dielectric((float)cos(pi / 4), 1.5f, &t), f45, 1e-7, "glass at 45 degrees");
+    near((double)fresnel_dielectric((float)cos(pi / 18), 1 / 1.5f, &t), f10, 1e-7,
+         "out of glass at 10 degrees");
+    near((double)fresnel_dielectric(1, 1.5f, &t), 0.04, 1e-8, "glass from above");
+    ok(fresnel_dielectric(0.7f, 1 / 1.5f, &t) == 1 && t == 0, "total reflection");
+    ok(fresnel_dielectric(0, 1, &t) == 0 && fresnel_dielectric(1e-20f, 1, &t) == 0 && t == 1e-20f,
+       "equal indices pass at any angle");
+
+    double out = 0, in = 0;
+    for (int i = 0; i < 100000; i++) { /* 2 cos d(cos) */
+        const float c = ((float)i + 0.5f) / 100000;
+        out += (double)(fresnel_dielectric(c, 1.5f, &t) * 2 * c) / 100000;
+        in += (double)(fresnel_dielectric(c, 1 / 1.5f, &t) * 2 * c) / 100000;
+    }
+    near(out, .091777959, 1e-6, "average over the hemisphere is Duntley's");
+    near(in, .596345760, 1e-5, "and inside 1 - (1 - F) / n^2");
+
+    near((double)fresnel_conductor_channel(1, .2f, 3.9f), .951951952, 1e-6, "metal at 0 degrees");
+    near((double)fresnel_conductor_channel(.5f, .2f, 3.9f), .945882382, 1e-6, "metal at 60 degrees");
+    near((double)fresnel_conductor_channel((float)cos(89 * pi / 180), .2f, 3.9f), .992486811, 1e-6,
+         "metal at 89 degrees");
+    double off = 0;
+    for (int i = 0; i <= 1000; i++) {
+        const float c = (float)i / 1000;
+        off = fmax(off, (double)fabsf(fresnel_conductor_channel(c, 1.5f, 0) -
+                                      fresnel_dielectric(c, 1.5f, &t)));
+    }
+    ok(off < 1e-6, "a metal that does not absorb is a dielectric (%.1e)", off);
+}
+
+static double albedo(const struct material *m, double z)
+{
+    const uint32_t n = 1 << 14;
+    double sum = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        const struct rng r = rng_make(1, 0, 0, i * FILM_REPLICATES);
+        struct bsdf_sample s;
+        if (bsdf_sample(m, direction(z, 0.3), 0, rng_pair(&r, 0), &s))
+            sum += (double)s.weight[0] / n;
+    }
+    return sum;
+}
+
+/* Single-scattering albedo of GGX with F = 1: rows alpha, columns cos; values by quadrature. */
+static void ggx_albedos(void)
+{
+    static const double alpha[] = {.1, .25, .5, .75, 1}, z[] = {.1, .3, .5, .8, 1};
+    static const double table[5][5] = {{.8835, .9363, .9692, .9846, .9883},
+                                       {.8916, .8379, .8573, .8973, .9158},
+                                       {.8601, .7453, .6983, .6821, .6879},
+                                       {.8107, .6503, .5646, .4923, .4639},
+                                       {.7602, .5601, .4507, .3513, .3069}};
+    double off = 0;
+    for (size_t i = 0; i < countof(z); i++)
+        for (size_t j = 0; j < countof(alpha); j++) {
+            const struct material m = silver((float)alpha[j]);
+            off = fmax(off, fabs(albedo(&m, z[i]) - table[j][i]));
+        }
+    ok(off < 0.002, "GGX albedos are those of height-correlated masking (%.4f off)", off);
+}
+
+static void narrow_lobe_meets_mirror(void)
+{
+    double off = 0;
+    for (int i = 1; i <= 20; i++) {
+        const struct material lobe = metal(.2f, 3.9f, BSDF_LEAST_ALPHA);
+        const struct material delta = metal(.2f, 3.9f, 0.99f * BSDF_LEAST_ALPHA);
+        off = fmax(off, fabs(albedo(&lobe, i / 20.0) - albedo(&delta, i / 20.0)));
+    }
+    ok(off < 1e-3, "albedo is continuous where the lobe becomes a mirror (%.1e)", off);
+    const struct material delta = metal(.2f, 3.9f, 0);
+    ok(bsdf_is_delta(&delta) && !bsdf_is_delta(&(struct material){.kind = MATERIAL_DIFFUSE}),
+       "only the mirror is delta");
+}
+
+/* --- corners: no NaN whatever the numbers --- */
+
+static const float edge[] = {0, 0x1p-24f, 0.25f, 0.5f, 0.75f, 1 - 0x1p-23f, 1 - 0x1p-24f};
+
+static bool sample_is_finite(const struct material *m, vec3 wo, float lobe, struct square q)
+{
+    struct bsdf_sample s;
+    if (!bsdf_sample(m, wo, lobe, q, &s))
+        return true;
+    const rgb f = bsdf_eval(m, wo, s.wi);
+    bool good = s.pdf_w >= 0 && isfinite(s.pdf_w) && isfinite(bsdf_pdf_w(m, wo, s.wi));
+    for (int c = 0; c < 3; c++)
+        good &= s.weight[c] >= 0 && isfinite(s.weight[c]) && f[c] >= 0 && isfinite(f[c]);
+    return good && fabsf(vec3_length(s.wi) - 1) < 1e-5f;
+}
+
+static void corners_are_finite(void)
+{
+    const struct material some[] = {diffuse(1), glass(1), glass(1.5f), glass(4), silver(1),
+                                    metal(1, 0, .3f), metal(.2f, 3.9f, BSDF_LEAST_ALPHA),
+                                    metal(.2f, 3.9f, .05f), metal(.2f, 3.9f, 0)};
+    static const double z[] = {1, 0.999999, 0.5, 1e-3, 1e-6, 1e-12, 1e-25, -1e-6, -0.3, -1, 0};
+    int bad = 0;
+    for (size_t m = 0; m < countof(some); m++)
+        for (size_t d = 0; d < countof(z); d++)
+            for (size_t n = 0; n < countof(edge) * countof(edge) * countof(edge); n++) {
+                const struct square q = {edge[n % 7], edge[n / 7 % 7]};
+                bad += !sample_is_finite(&some[m], direction(z[d], 0.1), edge[n / 49], q);
+            }
+    ok(bad == 0, "corners of the unit cube at all angles give finite samples (%d bad)", bad);
+}
+
+static void straight_through(void)
+{
+    const struct material m = glass(1);
+    bool same = true;
+    for (int i = 0; i < 200; i++) {
+        const vec3 wo = direction((i - 100.5) / 101, 1);
+        struct bsdf_sample s;
+        same &= bsdf_sample(&m, wo, 0, (struct square){0, 0}, &s);
+        same &= s.wi[0] == -wo[0] && s.wi[1] == -wo[1] && s.wi[2] == -wo[2] && s.weight[0] == 1;
+    }
+    ok(same, "glass of index 1 is not there");
+}
+
+int main(void)
+{
+    samples_follow_pdf(diffuse(0.5f), "diffuse");
+    samples_follow_pdf(silver(.05f), "GGX .05");
+    samples_follow_pdf(silver(.2f), "GGX .2");
+    samples_follow_pdf(metal(.2f, 3.9f, .5f), "GGX .5");
+    samples_follow_pdf(silver(1), "GGX 1");
+    weights_agree(diffuse(0.5f), 1e-5, "diffuse");
+    weights_agree(silver(BSDF_LEAST_ALPHA), 1e-4, "GGX least");
+    weights_agree(metal(.2f, 3.9f, .01f), 1e-4, "GGX .01");
+    weights_agree(metal(1.5f, .5f, .3f), 1e-4, "GGX .3");
+    is_reciprocal(diffuse(0.5f), "diffuse");
+    is_reciprocal(metal(.2f, 3.9f, .1f), "GGX .1");
+    is_reciprocal(metal(1.5f, 2, .7f), "GGX .7");
+    refraction_is_reciprocal();
+    fresnel_values();
+    ggx_albedos();
+    narrow_lobe_meets_mirror();
+    corners_are_finite();
+    straight_through();
+    return tap_done();
+}

@@ -1,0 +1,88 @@
+/* fmath.h: accurate to the stated bounds, and the same bits on every machine.
+ * SPDX-License-Identifier: MIT */
+#include "common/trace/fmath.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "tests/dice.h"
+#include "tests/stat.h"
+#include "tests/tap.h"
+
+static double ulps(float got, double want)
+{
+    const float w = fabsf((float)want);
+    const double ulp = (double)nextafterf(w, INFINITY) - (double)w;
+    return fabs((double)got - want) / ulp;
+}
+
+static double worst_of_radians(float to, int n)
+{
+    struct dice dice = dice_make(1);
+    double worst = 0;
+    for (int i = 0; i < n; i++) {
+        const float x = (float)dice_range(&dice, (double)-to, (double)to);
+        float s, c;
+        fmath_sincos(x, &s, &c);
+        worst = fmax(worst, fmax(ulps(s, sin((double)x)), ulps(c, cos((double)x))));
+    }
+    return worst;
+}
+
+/* Floats next to multiples of pi/2: what the reduction leaves is the hardest there. */
+static double worst_near_multiples(void)
+{
+    double worst = 0;
+    for (int k = 1; k < 6366; k++) {
+        const float x = (float)(k * 1.5707963267948966);
+        float s, c;
+        fmath_sincos(x, &s, &c);
+        worst = fmax(worst, fmax(ulps(s, sin((double)x)), ulps(c, cos((double)x))));
+    }
+    return worst;
+}
+
+/* Every multiple of 2^-24, or some of them: ulp where the value is not near 0, absolute there. */
+static double worst_of_turns(uint32_t step)
+{
+    double worst = 0;
+    for (uint32_t i = 0; i <= 1u << 24; i += step) {
+        const float u = (float)i * 0x1p-24f;
+        float s, c;
+        fmath_sincos_turns(u, &s, &c);
+        const double turn = 6.283185307179586 * (double)u;
+        worst = fmax(worst, fabs((double)s - sin(turn)));
+        worst = fmax(worst, fabs((double)c - cos(turn)));
+    }
+    return worst * 0x1p24;
+}
+
+static uint32_t digest(void)
+{
+    uint32_t h = 1;
+    for (uint32_t i = 0; i < 100000; i++) {
+        float out[2];
+        uint32_t bits[2];
+        fmath_sincos((float)i * 0.1f - 5000, &out[0], &out[1]);
+        memcpy(bits, out, sizeof bits);
+        h = (h * 31 + bits[0]) * 31 + bits[1];
+    }
+    return h;
+}
+
+int main(void)
+{
+    const int n = 2000000 / STAT_SLOW;
+    ok(worst_of_radians(1, n) < 2, "sine and cosine on [-1, 1] within 2 ulp");
+    ok(worst_of_radians(1e4f, n) < 2, "sine and cosine on [-1e4, 1e4] within 2 ulp");
+    ok(worst_near_multiples() < 2, "sine and cosine next to multiples of pi/2 within 2 ulp");
+    ok(worst_of_turns(STAT_SLOW == 1 ? 1 : 97) < 2, "turns within 2^-23");
+
+    float s, c;
+    fmath_sincos_turns(0.25f, &s, &c);
+    ok(s == 1 && c == 0, "a quarter turn is exact");
+    fmath_sincos(0, &s, &c);
+    ok(s == 0 && c == 1, "no turn is exact");
+    ok(digest() == 0x2d83ad85, "100000 values have the bits of every other build");
+    return tap_done();
+}

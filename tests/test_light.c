@@ -1,0 +1,213 @@
+/* light.h: every light is sampled as its density says, from everywhere, at any corner of the square.
+ * SPDX-License-Identifier: MIT */
+#include "common/trace/light.h"
+
+#include <math.h>
+
+#include "common/trace/bvh.h"
+#include "tests/dice.h"
+#include "tests/scenes.h"
+#include "tests/sphere_chi2.h"
+#include "tests/stat.h"
+#include "tests/tap.h"
+
+/* A black receiver at the origin facing up, and lights round it. */
+static uint32_t begin(struct scenes *s)
+{
+    scenes_init(s, 1, 1);
+    const uint32_t black = scenes_diffuse(s, rgb_gray(0));
+    scenes_disc(s, black, vec3_make(0, 0, 0), vec3_make(0, 1, 0), 1e-3f);
+    return black;
+}
+
+static struct surface receiver_of(const struct stage *stage)
+{
+    return surface_on_disc(stage, 0, vec3_make(0, 0, 0));
+}
+
+struct scenery {
+    const struct stage *stage;
+    struct surface from;
+    struct dice *dice; /* for the pick */
+};
+
+static bool direction_sample(const void *what, struct square q, vec3 *w, float *pdf_w)
+{
+    const struct scenery *c = what;
+    struct light_sample light;
+    if (!light_sample(c->stage, &c->from, dice_bits(c->dice), q, &light))
+        return false;
+    *w = light.wi;
+    *pdf_w = light.pdf_w;
+    return true;
+}
+
+/* The lights are chosen apart from each other, so the first one met is the only one. */
+static float direction_pdf_w(const void *what, vec3 w)
+{
+    const struct scenery *c = what;
+    const struct ray ray = surface_leave(&c->from, w);
+    struct ray_hit hit;
+    if (!bvh_hit_closest(c->stage, &ray, &hit))
+        return 0;
+    const struct surface at = surface_at(c->stage, &ray, &hit);
+    if (at.emitter == STAGE_NONE || vec3_dot(at.ng, w) > 0)
+        return 0;
+    return light_pdf_w(c->stage, c->from.p, &at);
+}
+
+static void judge(struct scenes *s, double pdf_tolerance, const char *name)
+{
+    struct dice dice = dice_make(4);
+    const struct stage *stage = scenes_stage(s);
+    const struct scenery c = {stage, receiver_of(stage), &dice};
+    const struct sphere_chi2 t = {direction_sample, direction_pdf_w, &c, 4};
+    const struct sphere_chi2_result r = sphere_chi2_run(&t, 300000 / STAT_SLOW, 1);
+    ok(r.p > stat_sidak(0.01, 6), "%s: directions follow the pdf (p %.3f)", name, r.p);
+    ok(fabs(r.mass_off) < fmax(2e-3, 4 * r.mass_sd), "%s: pdf integrates to 1 (%.5f off)", name,
+       r.mass_off);
+    ok(r.pdf_off < pdf_tolerance, "%s: pdf sampled is pdf asked (%.1e)", name, r.pdf_off);
+    scenes_release(s);
+}
+
+static void directions_follow(void)
+{
+    struct scenes s;
+    uint32_t black = begin(&s);
+    scenes_triangle(&s, black, vec3_make(-1, .5f, -1), vec3_make(2, 1, 0), vec3_make(0, 2, 1))
+        ->emission = rgb_gray(1);
+    judge(&s, 1e-4, "triangle");
+    black = begin(&s);
+    scenes_disc(&s, black, vec3_make(.5f, 1, 0), vec3_make(-1, -1, .5f), 1)->emission = rgb_gray(1);
+    judge(&s, 1e-4, "disc");
+    black = begin(&s);
+    scenes_sphere(&s, black, vec3_make(0, 1, .4f), 1)->emission = rgb_gray(1);
+    judge(&s, 1e-4, "sphere close by");
+    black = begin(&s);
+    scenes_sphere(&s, black, vec3_make(3, 2, -1), 1)->emission = rgb_gray(1);
+    judge(&s, 1e-4, "sphere");
+    black = begin(&s);
+    scenes_sphere(&s, black, vec3_make(3, 2, -1), 1)->emission = rgb_gray(1);
+    scenes_sphere(&s, black, vec3_make(-3, 2, -1), .5f)->emission = rgb_gray(20);
+    scenes_quad(&s, black, vec3_make(0, 1, 1), vec3_make(1, 0, 0), vec3_make(0, 0, 2))->emission =
+        rgb_gray(.3f);
+    scenes_disc(&s, black, vec3_make(0, 1, -3), vec3_make(0, 0, 1), 1)->emission = rgb_gray(2);
+    judge(&s, 1e-4, "sphere, sphere, quad and disc together");
+}
+
+/* From a point whose distance to the sphere is no more than rounding: still a density. */
+static void tiny_and_far_spheres(void)
+{
+    static const float radius[] = {1e-6f, 1e-3f, 0.999f};
+    static const float distance[] = {1, 1e4f, 1e8f};
+    struct dice dice = dice_make(9);
+    bool good = true;
+    double off = 0;
+    for (size_t i = 0; i < countof(radius); i++)
+        for (size_t j = 0; j < countof(distance); j++) {
+            struct scenes s;
+            const uint32_t black = begin(&s);
+            scenes_sphere(&s, black, vec3_make(0, distance[j], 0), radius[i])->emission = rgb_gray(1);
+            const struct stage *stage = scenes_stage(&s);
+            const struct surface from = receiver_of(stage);
+            double sum = 0;
+            for (int k = 0; k < 1000; k++) {
+                struct square q;
+                q.u = dice_float(&dice);
+                q.v = dice_float(&dice);
+                struct light_sample light;
+                good &= light_sample(stage, &from, 0, q, &light) && light.pdf_w > 0;
+                good &= vec3_dot(light.wi, vec3_make(0, 1, 0)) > 0;
+                sum += (double)(light.value[0]) / 1000;
+            }
+            const double sine = (double)radius[i] / (double)distance[j];
+            const double solid = 2 * 3.14159265358979 * sine * sine / (1 + sqrt(1 - sine * sine));
+            off = fmax(off, fabs(sum / solid - 1));
+            scenes_release(&s);
+        }
+    ok(good && off < 1e-5, "spheres down to 1e-14 rad fill the solid angle they should (%.1e)", off);
+}
+
+/* Every sample at every corner is finite; and where it is chosen, the light is seen unoccluded. */
+static void corners_are_finite(void)
+{
+    static const float edge[] = {0, 0x1p-24f, 0.25f, 0.5f, 0.75f, 1 - 0x1p-23f, 1 - 0x1p-24f};
+    static const uint32_t pick[] = {0, 1, 0x3fffffff, 0x80000000, 0xbfffffff, 0xfffffffe, 0xffffffff};
+    struct scenes s;
+    const uint32_t black = begin(&s);
+    scenes_sphere(&s, black, vec3_make(3, 2, -1), 1)->emission = rgb_gray(1);
+    scenes_sphere(&s, black, vec3_make(-1, 1, -1), 1e-5f)->emission = rgb_gray(1e10f);
+    scenes_quad(&s, black, vec3_make(0, 1, 1), vec3_make(1, 0, 0), vec3_make(0, 0, 2))->emission =
+        rgb_gray(.3f);
+    scenes_disc(&s, black, vec3_make(0, 1, -3), vec3_make(0, 0, 1), 1)->emission = rgb_gray(2);
+    struct light *bulb = scenes_light(&s, LIGHT_POINT), *sun = scenes_light(&s, LIGHT_DISTANT);
+    vec3_store(bulb->point.position, vec3_make(-2, 1, 2));
+    bulb->point.intensity = rgb_gray(1);
+    vec3_store(sun->distant.direction, vec3_make(0, -.6f, .8f));
+    sun->distant.irradiance = rgb_gray(1);
+    const struct stage *stage = scenes_stage(&s);
+    const struct surface from = receiver_of(stage);
+    int bad = 0, dark = 0;
+    for (size_t n = 0; n < countof(edge) * countof(edge) * countof(pick); n++) {
+        struct light_sample light;
+        if (!light_sample(stage, &from, pick[n / 49], (struct square){edge[n % 7], edge[n / 7 % 7]},
+                          &light))
+            continue;
+        dark += bvh_hit_any(stage, &light.shadow);
+        bad += !(light.value[0] > 0 && isfinite(light.value[0]) && light.pdf_w >= 0 &&
+                 isfinite(light.pdf_w) && fabsf(vec3_length(light.wi) - 1) < 1e-6f);
+    }
+    ok(bad == 0, "corners of the unit cube give finite samples (%d bad)", bad);
+    ok(dark == 0, "no light is in its own shadow, not at its corners (%d are)", dark);
+    scenes_release(&s);
+}
+
+/* The table is sampled as often as it says, and the density asked contains the same share. */
+static void picks_follow_table(void)
+{
+    enum { LIGHTS = 40 };
+    struct scenes s;
+    const uint32_t black = begin(&s);
+    for (int i = 0; i < LIGHTS; i++) /* on a ring, seen alike; powers over three decades */
+        scenes_sphere(&s, black, vec3_make(5 * (float)cos(i * .15), 3, 5 * (float)sin(i * .15)), .1f)
+            ->emission = rgb_gray(powf(10, (float)(i % 4)));
+    const struct stage *stage = scenes_stage(&s);
+    const struct surface from = receiver_of(stage);
+    const struct emitter *emitters = stage_at(stage, stage->emitters);
+    const uint32_t n = 1u << 18;
+    uint32_t seen[LIGHTS] = {0};
+    double due[LIGHTS], chosen[LIGHTS] = {0}, off = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t bits = i * 0x9e3779b1u; /* all of [0, 2^32) evenly */
+        struct light_sample light;
+        if (!light_sample(stage, &from, bits, (struct square){.5f, .5f}, &light))
+            continue;
+        for (int k = 0; k < LIGHTS; k++) {
+            const struct surface at = surface_on_sphere(stage, emitters[k].prim, -light.wi);
+            const vec3 d = vec3_unit(at.p - from.p);
+            if (vec3_dot(d, light.wi) > 0.9999f) {
+                seen[k]++;
+                chosen[k] = (double)light.pdf_w / (double)light_pdf_w(stage, from.p, &at);
+            }
+        }
+    }
+    for (int k = 0; k < LIGHTS; k++) {
+        due[k] = n * (double)emitters[k].pick;
+        off = fmax(off, fabs(chosen[k] - 1));
+    }
+    bool right = true;
+    for (int k = 0; k < LIGHTS; k++)
+        right &= fabs(seen[k] - due[k]) < 8 + 1e-3 * due[k];
+    ok(right, "40 lights are picked as often as their share");
+    ok(off < 1e-4, "the share is in the density (%.1e)", off);
+    scenes_release(&s);
+}
+
+int main(void)
+{
+    directions_follow();
+    tiny_and_far_spheres();
+    corners_are_finite();
+    picks_follow_table();
+    return tap_done();
+}

@@ -1,0 +1,154 @@
+/* wire.c: round trips, golden messages, truncation and damage.
+ * SPDX-License-Identifier: MIT */
+#include "common/wire.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/tap.h"
+
+static struct wire_samples message(struct arena *arena, bool flat)
+{
+    const struct tile_rect r = {64, 32, 64 + 20, 32 + 10};
+    struct wire_samples w = {
+        .job = 0x0123456789abcdef,
+        .tile = 5,
+        .pass = 2,
+        .cpu_us = 123456,
+        .samples = film_samples_make(r, (struct tile_pass){16, 32}, arena),
+    };
+    film_samples_note_invalid(&w.samples, (struct film_key){64, 32, 16});
+    film_samples_note_invalid(&w.samples, (struct film_key){83, 41, 31});
+    for (uint32_t i = 0; i < tile_rect_pixels(r) * FILM_CHANNELS; i++)
+        w.samples.sums[i] = flat ? 0.25f : (float)(i * 2654435761u >> 8) * 0x1p-20f;
+    return w;
+}
+
+static bool same(const struct wire_samples *a, const struct wire_samples *b)
+{
+    const struct film_samples *s = &a->samples, *t = &b->samples;
+    return a->job == b->job && a->frame == b->frame && a->tile == b->tile && a->pass == b->pass &&
+           a->cpu_us == b->cpu_us && !memcmp(&s->rect, &t->rect, sizeof s->rect) &&
+           !memcmp(&s->pass, &t->pass, sizeof s->pass) && s->invalid_count == t->invalid_count &&
+           s->key_count == t->key_count && !memcmp(s->keys, t->keys, sizeof s->keys) &&
+           !memcmp(s->sums, t->sums,
+                   tile_rect_pixels(s->rect) * FILM_CHANNELS * sizeof *s->sums);
+}
+
+static void round_trip(bool flat)
+{
+    struct arena arena = {0};
+    struct buf b = {0};
+    struct err err;
+    const struct wire_samples w = message(&arena, flat);
+    struct wire_samples back;
+    wire_encode(&w, &b);
+    ok(wire_decode(&back, b.data, b.size, &arena, &err) && same(&w, &back),
+       "%s samples come back as they were", flat ? "flat" : "noisy");
+    const size_t raw = WIRE_HEADER_BYTES + WIRE_BODY_FIXED_BYTES + 2 * 12 + 20 * 10 * 96;
+    ok(flat ? b.size < raw / 10 : b.size == raw, "%s samples take %zu bytes",
+       flat ? "flat" : "noisy", b.size);
+    buf_release(&b);
+    arena_release(&arena);
+}
+
+/* tests/golden/NAME, made once by the first version that spoke it. SMALTI_WRITE_GOLDEN=1 makes a
+ * missing one; an existing one is never touched. */
+static void golden(const char *name, bool flat)
+{
+    char path[200];
+    snprintf(path, sizeof path, "tests/golden/%s", name);
+    struct arena arena = {0};
+    struct buf b = {0}, file = {0};
+    struct err err;
+    const struct wire_samples w = message(&arena, flat);
+    if (getenv("SMALTI_WRITE_GOLDEN")) {
+        wire_encode(&w, &b);
+        FILE *f = fopen(path, "wxb");
+        if (f) {
+            fwrite(b.data, 1, b.size, f);
+            fclose(f);
+        }
+    }
+    struct wire_samples back;
+    if (!ok(buf_read_file(&file, path, WIRE_MAX_BYTES, &err), "%s is there", path)) {
+        diag("%s", err.text);
+    } else {
+        ok(wire_decode(&back, file.data, file.size, &arena, &err) && same(&w, &back),
+           "%s says what it always said", name);
+        size_t refused = 0;
+        for (size_t n = 0; n < file.size; n++) {
+            struct arena one = {0};
+            refused += !wire_decode(&back, file.data, n, &one, &err) && err.code == ERR_PROTOCOL;
+            arena_release(&one);
+        }
+        ok(refused == file.size, "cut at any of its %zu bytes it is refused", file.size);
+        size_t caught = 0;
+        for (size_t n = 0; n < file.size; n++) {
+            struct arena one = {0};
+            file.data[n] ^= 0x10;
+            caught += !wire_decode(&back, file.data, file.size, &one, &err);
+            file.data[n] ^= 0x10;
+            arena_release(&one);
+        }
+        ok(caught == file.size, "with any byte damaged it is refused");
+    }
+    buf_release(&b);
+    buf_release(&file);
+    arena_release(&arena);
+}
+
+/* Lies a peer with a right checksum can tell. */
+static void refuses(const char *what, struct wire_samples w)
+{
+    struct arena arena = {0};
+    struct buf b = {0};
+    struct err err = {0};
+    struct wire_samples back;
+    wire_encode(&w, &b);
+    ok(!wire_decode(&back, b.data, b.size, &arena, &err) && err.code == ERR_PROTOCOL &&
+           err.text[0],
+       "refuses %s", what);
+    buf_release(&b);
+    arena_release(&arena);
+}
+
+static void refuses_lies(void)
+{
+    struct arena arena = {0};
+    const struct wire_samples good = message(&arena, false);
+    struct wire_samples w = good;
+    w.samples.pass = (struct tile_pass){32, 32};
+    refuses("an empty sample range", w);
+    w = good;
+    w.samples.invalid_count = 1;
+    refuses("more keys than invalid samples", w);
+    w = good;
+    w.samples.invalid_count = UINT64_MAX;
+    refuses("more invalid samples than samples", w);
+    w = good;
+    w.samples.keys[1].x_px = 84;
+    refuses("a key outside the tile", w);
+    w = good;
+    w.samples.keys[0].sample = 32;
+    refuses("a key outside the pass", w);
+    static const float bad[] = {NAN, INFINITY, -1};
+    for (size_t i = 0; i < countof(bad); i++) {
+        w = message(&arena, false);
+        w.samples.sums[4799] = bad[i];
+        refuses(i == 0 ? "NaN" : i == 1 ? "infinity" : "a negative sum", w);
+    }
+    arena_release(&arena);
+}
+
+int main(void)
+{
+    round_trip(false);
+    round_trip(true);
+    golden("samples-v1-raw.bin", false);
+    golden("samples-v1-deflated.bin", true);
+    refuses_lies();
+    return tap_done();
+}

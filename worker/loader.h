@@ -1,0 +1,36 @@
+/* loader.h - a thread that turns a document's hash into a stage: fetch, parse, read the meshes, prepare.
+ *
+ * One after the other, so a scene is prepared once however many passes wait for it, and renewals
+ * go on meanwhile on the main thread. Assets come from the disk cache or the coordinator; while
+ * the coordinator is away the loader keeps trying.
+ * SPDX-License-Identifier: MIT */
+#ifndef WORKER_LOADER_H
+#define WORKER_LOADER_H
+
+#include "common/trace/stage.h"
+#include "worker/args.h"
+#include "worker/cache.h"
+#include "worker/mailbox.h"
+
+/* Goes in by loader_submit and comes back through the mailbox given to loader_new. */
+struct load {
+    char document[HASH_HEX];
+    struct arena arena; /* the stage's memory; released by whoever has the load */
+    const struct stage *stage;
+    bool done;              /* the stage is there; else: */
+    const char *fault_kind; /* "input" the scene cannot be prepared anywhere, "worker" not here */
+    struct err err;
+};
+
+struct loader; /* opaque, heap */
+
+/* args, cache, done outlive it. NULL: the server's address makes no sense. */
+struct loader *loader_new(const struct args *args, const struct cache *cache, size_t room,
+                          struct mailbox *done, struct err *err);
+void loader_submit(struct loader *, struct load *);
+
+/* Breaks off what waits for the network. True: the thread has ended, the loader is freed and all loads
+ * have come back, some of them not done. False: it was still computing after so many ms. */
+bool loader_stop(struct loader *, int64_t within_ms);
+
+#endif

@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT */
+#include "worker/stages.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/log.h"
+
+static uint64_t bytes_of(const struct stages_entry *e)
+{
+    return e->loading ? 0 : e->load->arena.used_bytes;
+}
+
+static void remove_entry(struct stages *s, struct stages_entry *e)
+{
+    struct stages_entry **at = &s->entries;
+    while (*at != e)
+        at = &(*at)->next;
+    *at = e->next;
+    arena_release(&e->load->arena);
+    free(e->load);
+    free(e);
+}
+
+void stages_release(struct stages *s)
+{
+    while (s->entries) {
+        assert(!s->entries->loading && !s->entries->holders);
+        remove_entry(s, s->entries);
+    }
+}
+
+/* Unused scenes go, the longest unused first, until the rest has room. */
+static void evict(struct stages *s)
+{
+    for (;;) {
+        uint64_t bytes = 0;
+        struct stages_entry *oldest = NULL;
+        for (struct stages_entry *e = s->entries; e; e = e->next) {
+            bytes += bytes_of(e);
+            if (!e->holders && !e->loading && (!oldest || e->used < oldest->used))
+                oldest = e;
+        }
+        if (bytes <= s->most_bytes || !oldest)
+            return;
+        log_debug("scene_evict document=%.12s bytes=%llu", oldest->load->document,
+                  (unsigned long long)bytes_of(oldest));
+        remove_entry(s, oldest);
+    }
+}
+
+struct stages_entry *stages_hold(struct stages *s, const char document[HASH_HEX])
+{
+    struct stages_entry *e = s->entries;
+    while (e && strcmp(e->load->document, document) != 0)
+        e = e->next;
+    if (!e) {
+        e = arena_malloc(1, sizeof *e);
+        e->load = arena_malloc(1, sizeof *e->load);
+        memcpy(e->load->document, document, HASH_HEX);
+        e->loading = true;
+        e->next = s->entries;
+        s->entries = e;
+        loader_submit(s->loader, e->load);
+    }
+    e->holders++;
+    e->used = ++s->holds;
+    return e;
+}
+
+static void settle(struct stages *s, struct stages_entry *e)
+{
+    if (e->holders || e->loading)
+        return;
+    if (!e->load->done)
+        remove_entry(s, e);
+    else
+        evict(s);
+}
+
+void stages_drop(struct stages *s, struct stages_entry *e)
+{
+    assert(e->holders);
+    e->holders--;
+    settle(s, e);
+}
+
+void stages_loaded(struct stages *s, struct load *load)
+{
+    struct stages_entry *e = s->entries;
+    while (e->load != load)
+        e = e->next;
+    e->loading = false;
+    settle(s, e);
+}
