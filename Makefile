@@ -126,6 +126,7 @@ check-long:
 
 bench: all $(BENCH) $(TOOLS)
 	@for b in $(BENCH); do echo "== $$b"; $$b || exit 1; done
+	@for b in $(wildcard bench/bench_*.py); do echo "== $$b"; BIN=$(B) python3 $$b || exit 1; done
 
 fuzz:
 	$(MAKE) MODE=fuzz CC=clang fuzz-run

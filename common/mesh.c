@@ -78,8 +78,9 @@ bool mesh_read(struct mesh *mesh, const void *data, size_t bytes, struct arena *
     const char *text = data;
     bool good = read_bytes(&b, mesh->format, (struct mesh_span){text, text + bytes}, err);
     if (good && b.indices.size == 0)
-        good = err_set(err, ERR_INPUT, "expected a mesh with at least 1 face, got %zu vertices and "
-                                       "no face",
+        good = err_set(err, ERR_INPUT,
+                       "expected a mesh with at least 1 face, got %zu vertices and no "
+                       "face",
                        mesh_build_vertices(&b));
     if (good) {
         mesh->vertices = keep(&b.vertices, sizeof(float), arena);

@@ -58,14 +58,12 @@ static bool corner_read(struct mesh_build *b, struct mesh_span token, struct err
     }
     int64_t i;
     if (!mesh_span_integer(vertex, &i) || !good || slashes > 2)
-        return err_set(err, ERR_INPUT,
-                       "expected a corner like 7, 7/1, 7//3 or 7/1/3, got %s",
+        return err_set(err, ERR_INPUT, "expected a corner like 7, 7/1, 7//3 or 7/1/3, got %s",
                        mesh_span_print(token, shown));
     const int64_t count = (int64_t)mesh_build_vertices(b);
     const int64_t index = i < 0 ? count + i : i - 1;
     if (index < 0 || index >= count)
-        return err_set(err, ERR_INPUT,
-                       "expected a vertex from 1 to %lld or -%lld to -1, got %lld",
+        return err_set(err, ERR_INPUT, "expected a vertex from 1 to %lld or -%lld to -1, got %lld",
                        (long long)count, (long long)count, (long long)i);
     const uint32_t v = (uint32_t)index;
     buf_append(&b->polygon, &v, sizeof v);
@@ -89,10 +87,10 @@ static bool statement_read(struct mesh_build *b, struct mesh_span line, struct e
 {
     /* Known and passed over: they change nothing about flat triangles. Free-form surfaces (curv,
      * surf and what belongs to them) are not among them: a hole in the model must be said. */
-    static const char *const passed[] = {
-        "vt",     "vn",      "vp",       "g",        "o",         "s",         "mg",  "usemtl",
-        "mtllib", "usemap",  "maplib",   "p",        "l",         "lod",       "bevel",
-        "c_interp", "d_interp", "shadow_obj", "trace_obj"};
+    static const char *const passed[] = {"vt",       "vn",       "vp",         "g",        "o",
+                                         "s",        "mg",       "usemtl",     "mtllib",   "usemap",
+                                         "maplib",   "p",        "l",          "lod",      "bevel",
+                                         "c_interp", "d_interp", "shadow_obj", "trace_obj"};
     struct mesh_span word;
     char shown[64];
     if (!mesh_span_token(&line, &word) || *word.at == '#')
@@ -104,8 +102,9 @@ static bool statement_read(struct mesh_build *b, struct mesh_span line, struct e
     for (size_t i = 0; i < countof(passed); i++)
         if (mesh_span_is(word, passed[i]))
             return true;
-    return err_set(err, ERR_INPUT, "expected an OBJ statement for polygons (v, f, vt, vn, g, o, s, "
-                                   "usemtl, mtllib ...), got %s",
+    return err_set(err, ERR_INPUT,
+                   "expected an OBJ statement for polygons (v, f, vt, vn, g, o, s, "
+                   "usemtl, mtllib ...), got %s",
                    mesh_span_print(word, shown));
 }
 

@@ -1,12 +1,10 @@
 /* Polygon File Format, ascii and binary: G. Turk, "The PLY polygon file format", Stanford, 1994.
  * Rows of the elements vertex, face and tristrips are used, all others are stepped over.
  * SPDX-License-Identifier: MIT */
-#include "common/mesh_build.h"
+#include "common/mesh_ply.h"
 
 #include <math.h>
 #include <string.h>
-
-#include "common/mesh_ply.h"
 
 static size_t bytes_left(const struct ply *p)
 {
@@ -83,8 +81,8 @@ static bool list_count(struct ply *p, const struct ply_property *property, size_
     const size_t size = p->format == PLY_ASCII ? 2 : mesh_ply_types[property->type].bytes;
     const size_t room = ((size_t)(rest.end - rest.at) + 1) / size; /* no space after the last */
     if (!(n >= 0 && n == floor(n) && n <= (double)room))
-        return err_set(err, ERR_INPUT, "expected a list of 0 to %zu values, got a count of %g", room,
-                       n);
+        return err_set(err, ERR_INPUT, "expected a list of 0 to %zu values, got a count of %g",
+                       room, n);
     *count = (size_t)n;
     return true;
 }
@@ -221,11 +219,12 @@ static bool row_read(struct ply *p, const struct ply_element *e, struct mesh_bui
 static bool element_read(struct ply *p, const struct ply_element *e, struct mesh_build *b,
                          struct err *err)
 {
-    if (e->count > (bytes_left(p) + 1) / mesh_ply_row_bytes(p, e)) /* the last line may lack its end */
-        return err_set(err, ERR_INPUT, "%.*s: expected at most %zu rows in the %zu bytes left, got "
-                                       "%llu",
-                       (int)(e->name.end - e->name.at), e->name.at,
-                       (bytes_left(p) + 1) / mesh_ply_row_bytes(p, e), bytes_left(p),
+    const size_t room = (bytes_left(p) + 1) / mesh_ply_row_bytes(p, e); /* the last line may lack
+                                                                         * its end */
+    if (e->count > room)
+        return err_set(err, ERR_INPUT,
+                       "%.*s: expected at most %zu rows in the %zu bytes left, got %llu",
+                       (int)(e->name.end - e->name.at), e->name.at, room, bytes_left(p),
                        (unsigned long long)e->count);
     const char *begin = p->file_begin;
     for (uint64_t i = 0; i < e->count; i++) {

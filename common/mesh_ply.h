@@ -64,6 +64,6 @@ struct ply {
  * faces and strips, x, y, z in a vertex, one list of indices in a face or strip. */
 bool mesh_ply_header(struct ply *, struct err *) MUST_CHECK;
 void mesh_ply_line(struct ply *); /* sets `line`, moves `file` behind it */
-size_t mesh_ply_row_bytes(const struct ply *, const struct ply_element *); /* the fewest; at least 1 */
+size_t mesh_ply_row_bytes(const struct ply *, const struct ply_element *); /* the fewest; not 0 */
 
 #endif

@@ -4,9 +4,9 @@
 #include <string.h>
 
 const struct ply_type_name mesh_ply_types[] = {
-    [PLY_INT8] = {{"char", "int8"}, 1},       [PLY_UINT8] = {{"uchar", "uint8"}, 1},
-    [PLY_INT16] = {{"short", "int16"}, 2},    [PLY_UINT16] = {{"ushort", "uint16"}, 2},
-    [PLY_INT32] = {{"int", "int32"}, 4},      [PLY_UINT32] = {{"uint", "uint32"}, 4},
+    [PLY_INT8] = {{"char", "int8"}, 1},        [PLY_UINT8] = {{"uchar", "uint8"}, 1},
+    [PLY_INT16] = {{"short", "int16"}, 2},     [PLY_UINT16] = {{"ushort", "uint16"}, 2},
+    [PLY_INT32] = {{"int", "int32"}, 4},       [PLY_UINT32] = {{"uint", "uint32"}, 4},
     [PLY_FLOAT32] = {{"float", "float32"}, 4}, [PLY_FLOAT64] = {{"double", "float64"}, 8},
 };
 

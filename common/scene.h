@@ -34,7 +34,7 @@ enum {
     SCENE_MAX_SHAPES = 100000,
     SCENE_MAX_MATERIALS = 10000,
     SCENE_MAX_LIGHTS = 100000,          /* point, distant and sky entries */
-    SCENE_MAX_TRIANGLES = 100000000,    /* of all meshes together */
+    SCENE_MAX_TRIANGLES = 100000000,    /* of one mesh; prep.h bounds the whole scene */
     SCENE_MAX_NAME = 128,               /* bytes of a name or title */
     SCENE_MAX_BOUNCES = 10000,
     SCENE_MAX_SPP = 1 << 24,
@@ -98,7 +98,7 @@ struct shape {
     uint32_t material;     /* index into scene.materials */
     rgb emission;          /* radiance leaving the front side; 0: not a light. Front: outside of a
                             * sphere, else the side the normal points to */
-    struct xform to_world; /* a sphere's is a similarity (checked) */
+    struct xform to_world; /* a sphere's and a disc's is a similarity (checked), maybe a mirror */
     union {
         struct {
             float center[3], radius; /* radius > 0 */
@@ -146,7 +146,7 @@ struct scene_target {  /* the first one reached ends the job; at least one is se
 struct scene_settings {
     enum integrator_kind integrator;
     uint32_t max_bounces; /* scattering events per path; 0 shows emission alone. Default 64 */
-    uint64_t seed;        /* default 0; [0, 2^53] so that JSON carries it exactly */
+    uint64_t seed;        /* default 0; [0, 2^53 - 1]: JSON carries it exactly */
     struct scene_target target;
 };
 
@@ -165,7 +165,8 @@ struct scene {
 /* What is wrong with a document: all of it at once, in document order. */
 struct scene_error {
     enum err_code code; /* ERR_INPUT or ERR_LIMIT */
-    const char *where;  /* JSON pointer (RFC 6901), or "line 3, column 7" for a syntax error */
+    const char *where;  /* JSON pointer (RFC 6901; "": the whole document), or "line 3, column 7"
+                         * for a syntax error */
     const char *what;   /* found and allowed: "expected a number in (0, 180), got 200" */
 };
 

@@ -80,8 +80,9 @@ bool scene_check_rigid(struct scene_xform *x, struct err *err)
                            i, j, scene_dot(axes[i], axes[j]));
     }
     if (!(scene_xform_determinant(x) > 0))
-        return err_set(err, ERR_INPUT, "expected a rotation and a translation, got a mirror "
-                                       "(determinant -1)");
+        return err_set(err, ERR_INPUT,
+                       "expected a rotation and a translation, got a mirror "
+                       "(determinant -1)");
     /* Keep where it looks; make the others fit. The three are independent, as just seen. */
     const double position[3] = {x->m[0][3], x->m[1][3], x->m[2][3]};
     double to[3];
@@ -135,8 +136,9 @@ bool scene_check_quad(double v[4][3], struct err *err)
                            "expected four different corners, corners %d and %d coincide", i,
                            (i + 1) % 4);
     if (!(size > 1e-9 * across * across))
-        return err_set(err, ERR_INPUT, "expected a quad with an area, got corners in a line or "
-                                       "crossing edges");
+        return err_set(err, ERR_INPUT,
+                       "expected a quad with an area, got corners in a line or "
+                       "crossing edges");
     const double height = fabs(scene_dot(edge[0], normal)) / size; /* between the diagonals */
     if (!(height <= 1e-3 * across))
         return err_set(err, ERR_INPUT,
@@ -174,8 +176,8 @@ bool scene_check_crop(const struct scene_film *f, struct err *err)
 
 bool scene_check_pixels(const struct scene_film *f, struct err *err)
 {
-    const uint64_t pixels = (uint64_t)(f->crop_x_end - f->crop_x_begin) *
-                            (f->crop_y_end - f->crop_y_begin);
+    const uint64_t pixels =
+        (uint64_t)(f->crop_x_end - f->crop_x_begin) * (f->crop_y_end - f->crop_y_begin);
     if (pixels > SCENE_MAX_PIXELS)
         return err_set(err, ERR_LIMIT, "expected at most %d pixels to render, got %llu",
                        SCENE_MAX_PIXELS, (unsigned long long)pixels);

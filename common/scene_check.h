@@ -10,7 +10,7 @@
 #include "common/scene.h"
 #include "common/scene_xform.h"
 
-#define SCENE_MAX_ABS 1e18 /* of coordinates: squares and products of three stay finite in float */
+#define SCENE_MAX_ABS 1e18 /* of coordinates: products of two stay finite in float */
 #define SCENE_MIN_LENGTH 1e-18 /* of radii: squares stay normal numbers in float */
 
 /* Finite, coordinates in range, not flattening space. */

@@ -54,7 +54,7 @@ static void put_quoted(struct text *t, const char *s, size_t max_bytes, bool poi
     }
 }
 
-/* Whole numbers in full, others in the shortest of the usual precisions that reads back the same. */
+/* Whole numbers in full, others in the first of 6, 15, 17 digits that reads back the same. */
 static size_t number_print(char *out, size_t size, double v)
 {
     if (v == floor(v) && fabs(v) < 1e15)
@@ -110,9 +110,10 @@ static uint32_t chain(const struct scene_at *at, const struct scene_at *from_roo
     return depth;
 }
 
-static const char *pointer_print(const struct scene_at *const *from_root, uint32_t depth,
-                                 struct arena *arena)
+static const char *pointer_print(const struct scene_at *at, struct arena *arena)
 {
+    const struct scene_at *from_root[SCENE_MAX_DEPTH + 1];
+    const uint32_t depth = chain(at, from_root);
     char out[4096];
     struct text t = {out, out + sizeof out};
     *out = '\0';
@@ -151,22 +152,26 @@ static struct scene_fault *fault_insert(struct scene_doc *doc, const struct scen
     return &doc->faults[at];
 }
 
-static struct scene_fault *fault_place(struct scene_doc *doc, const struct scene_at *at)
+static struct scene_fault fault_at(const struct scene_at *at)
 {
     const struct scene_at *from_root[SCENE_MAX_DEPTH + 1];
     struct scene_fault f = {.depth = chain(at, from_root)};
     for (uint32_t i = 0; i < f.depth; i++)
         f.order[i] = (uint32_t)from_root[i]->index;
-    struct scene_fault *placed = fault_insert(doc, &f);
-    if (placed)
-        placed->error.where = pointer_print(from_root, f.depth, doc->arena);
-    return placed;
+    return f;
+}
+
+bool scene_doc_listed(const struct scene_doc *doc, const struct scene_at *at)
+{
+    const struct scene_fault f = fault_at(at);
+    return doc->kept < SCENE_MAX_FAULTS || order_compare(&f, &doc->faults[doc->kept - 1]) < 0;
 }
 
 bool scene_doc_fault(struct scene_doc *doc, const struct scene_at *at, enum err_code code,
                      const char *fmt, ...)
 {
-    struct scene_fault *f = fault_place(doc, at);
+    const struct scene_fault here = fault_at(at);
+    struct scene_fault *f = fault_insert(doc, &here);
     if (!f)
         return false;
     char what[4096];
@@ -175,6 +180,7 @@ bool scene_doc_fault(struct scene_doc *doc, const struct scene_at *at, enum err_
     vsnprintf(what, sizeof what, fmt, ap);
     va_end(ap);
     f->error.code = code;
+    f->error.where = pointer_print(at, doc->arena);
     f->error.what = arena_strdup(doc->arena, what);
     return false;
 }

@@ -57,6 +57,8 @@ bool scene_at_next(const struct scene_at *object, struct scene_at *member); /* f
 /* Records a fault; always returns false. */
 bool scene_doc_fault(struct scene_doc *, const struct scene_at *, enum err_code, const char *fmt,
                      ...) PRINTF(4, 5);
+/* Whether a fault here would still be among those that are kept: a costly text is then due. */
+bool scene_doc_listed(const struct scene_doc *, const struct scene_at *);
 /* "expected EXPECTED, got (the value, cut when long)"; always returns false. */
 bool scene_doc_expected(struct scene_doc *, const struct scene_at *, enum err_code,
                         const char *expected);

@@ -56,9 +56,9 @@ struct scene_at scene_at_item(const struct scene_at *array, size_t index)
 
 bool scene_at_next(const struct scene_at *object, struct scene_at *member)
 {
-    void *iter = member->node ? json_object_iter_next(object->node,
-                                                      json_object_key_to_iter(member->key))
-                              : json_object_iter(object->node);
+    void *iter = member->node
+                     ? json_object_iter_next(object->node, json_object_key_to_iter(member->key))
+                     : json_object_iter(object->node);
     if (!iter)
         return false;
     *member = (struct scene_at){.up = object,
@@ -189,6 +189,12 @@ bool scene_parse(struct scene *scene, const char *json, size_t bytes, enum scene
     if (bytes >= 3 && !memcmp(json, "\xef\xbb\xbf", 3))
         return text_error(errors, ERR_INPUT, "line 1, column 1",
                           "not JSON: the text begins with a byte order mark", arena);
+
+    /* The library passes over a NUL behind a number. */
+    const char *nul = bytes ? memchr(json, 0, bytes) : NULL;
+    if (nul)
+        return text_error(errors, ERR_INPUT, position_print(json, (size_t)(nul - json), arena),
+                          "not JSON: a NUL byte", arena);
 
     /* Whole numbers as reals: those beyond 2^63 then get an error with their place, too. */
     json_error_t e;

@@ -60,8 +60,7 @@ static void read_file(struct scene_doc *doc, const struct scene_at *at, struct m
                         "\"file\" can be named by a document on disk only");
         return;
     }
-    if (scene_doc_text(doc, at, 1, 4096, &mesh->file) &&
-        !mesh_format_of(mesh->file, &mesh->format))
+    if (scene_doc_text(doc, at, 1, 4096, &mesh->file) && !mesh_format_of(mesh->file, &mesh->format))
         scene_doc_expected(doc, at, ERR_INPUT, "a file name that ends in .ply or .obj");
 }
 
@@ -74,8 +73,7 @@ static void read_asset(struct scene_doc *doc, const struct scene_at *asset,
     if (scene_doc_choice(doc, format, formats, countof(formats), &chosen))
         mesh->format = kinds[chosen];
     if (scene_at_type(asset) != SCENE_STRING || !hash_is_hex(scene_at_string(asset)))
-        scene_doc_expected(doc, asset, ERR_INPUT,
-                           "the SHA-256 of a file as 64 digits 0-9, a-f");
+        scene_doc_expected(doc, asset, ERR_INPUT, "the SHA-256 of a file as 64 digits 0-9, a-f");
     else
         memcpy(mesh->asset, scene_at_string(asset), HASH_HEX);
 }
@@ -83,9 +81,9 @@ static void read_asset(struct scene_doc *doc, const struct scene_at *asset,
 void scene_read_mesh(struct scene_doc *doc, const struct scene_at *shape, struct mesh *mesh)
 {
     static const struct scene_key keys[] = {
-        {"type", true},      {"material", true}, {"emission", false}, {"transform", false},
-        {"vertices", false}, {"triangles", false}, {"file", false},   {"asset", false},
-        {"format", false}};
+        {"type", true},       {"material", true},  {"emission", false},
+        {"transform", false}, {"vertices", false}, {"triangles", false},
+        {"file", false},      {"asset", false},    {"format", false}};
     struct scene_at vertices, triangles, file, asset, format;
     scene_doc_object(doc, shape, "a mesh", keys, countof(keys));
     const bool has_vertices = scene_at_member(shape, "vertices", &vertices);

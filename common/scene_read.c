@@ -125,8 +125,7 @@ static void read_camera(struct scene_doc *doc, const struct scene_at *at, struct
     const bool has_look_at = scene_at_member(at, "look_at", &look_at);
     const bool has_matrix = scene_at_member(at, "matrix", &matrix);
     if (has_look_at == has_matrix)
-        scene_doc_fault(doc, at, ERR_INPUT,
-                        "the camera needs \"look_at\" or \"matrix\", got %s",
+        scene_doc_fault(doc, at, ERR_INPUT, "the camera needs \"look_at\" or \"matrix\", got %s",
                         has_matrix ? "both" : "neither");
     else if (has_look_at)
         read_look_at(doc, &look_at, &x);
@@ -187,7 +186,7 @@ static void read_version(struct scene_doc *doc, const struct scene_at *whole)
 void scene_read(struct scene_doc *doc, const struct scene_at *whole, struct scene *scene)
 {
     static const struct scene_key keys[] = {
-        {"smalti", true}, {"title", false},  {"film", true},   {"camera", true},
+        {"smalti", true},    {"title", false}, {"film", true},    {"camera", true},
         {"materials", true}, {"shapes", true}, {"lights", false}, {"settings", false}};
     scene->title = "";
     scene->settings = (struct scene_settings){

@@ -114,7 +114,9 @@ bool scene_read_transform(struct scene_doc *doc, const struct scene_at *at, stru
 }
 
 /* What every shape has, beside its own keys. */
+/* clang-format off */
 #define COMMON_KEYS {"type", true}, {"material", true}, {"emission", false}, {"transform", false}
+/* clang-format on */
 
 /* Where a shape would end up is its transform's fault: its own values have been in range. */
 static bool place_check(struct scene_doc *doc, const struct scene_at *shape, const char *what,
@@ -191,8 +193,8 @@ static bool read_quad(struct scene_doc *doc, const struct scene_at *at, struct s
         for (int k = 0; read && k < 3; k++)
             s->quad.vertices[i][k] = (float)v[i][k];
     }
-    return good && (scene_check_quad(v, &err) ||
-                    scene_doc_fault(doc, &list, err.code, "%s", err.text));
+    return good &&
+           (scene_check_quad(v, &err) || scene_doc_fault(doc, &list, err.code, "%s", err.text));
 }
 
 /* Where a mesh's vertices go is known here only when they are in the document. */
@@ -216,7 +218,11 @@ static void check_mesh_world(struct scene_doc *doc, const struct scene_at *at,
 static void unknown_material(struct scene_doc *doc, const struct scene_at *at,
                              const struct scene_names *names)
 {
-    enum { SCANNED = 200, LISTED = 8 }; /* to scan all could cost a hostile document minutes */
+    enum { SCANNED = 200, LISTED = 8 }; /* to scan all for all could cost minutes */
+    if (!scene_doc_listed(doc, at)) {
+        scene_doc_fault(doc, at, ERR_INPUT, "no such material");
+        return;
+    }
     const char *some[SCANNED];
     const size_t count = names->count < SCANNED ? names->count : SCANNED;
     for (size_t i = 0; i < count; i++)
@@ -280,8 +286,8 @@ static void read_shape(struct scene_doc *doc, const struct scene_at *at,
         read_material_name(doc, &member, names, s);
     scene_key_rgb(doc, at, "emission", (struct scene_range){0, SCENE_MAX_ABS, false}, &s->emission);
     struct scene_xform x = scene_xform_identity();
-    const bool placed = !scene_at_member(at, "transform", &member) ||
-                        scene_read_transform(doc, &member, &x);
+    const bool placed =
+        !scene_at_member(at, "transform", &member) || scene_read_transform(doc, &member, &x);
     s->to_world = scene_xform_round(&x);
     const struct scene_xform *known = placed ? &x : NULL;
     switch (s->kind) {

@@ -30,6 +30,8 @@ static void names_print(char out[LIST_BYTES], const char *const *names, size_t c
 static bool unknown_key(struct scene_doc *doc, const struct scene_at *at, const char *what,
                         const struct scene_key *keys, size_t count)
 {
+    if (!scene_doc_listed(doc, at))
+        return scene_doc_fault(doc, at, ERR_INPUT, "unknown key in %s", what);
     const char *names[MAX_KEYS];
     for (size_t i = 0; i < count; i++)
         names[i] = keys[i].name;
@@ -57,8 +59,8 @@ bool scene_doc_object(struct scene_doc *doc, const struct scene_at *at, const ch
             good = unknown_key(doc, &member, what, keys, count);
     for (size_t i = 0; i < count; i++)
         if (keys[i].required && !scene_at_member(at, keys[i].name, &member))
-            good = scene_doc_fault(doc, at, ERR_INPUT, "%s needs the key \"%s\"", what,
-                                   keys[i].name);
+            good =
+                scene_doc_fault(doc, at, ERR_INPUT, "%s needs the key \"%s\"", what, keys[i].name);
     return good;
 }
 

@@ -47,10 +47,10 @@ static double series(double x2, int first)
 
 static void sin_cos_deg(double deg, double *s, double *c)
 {
-    const double turn = fmod(deg, 360);         /* exact */
+    const double turn = fmod(deg, 360); /* exact */
     const double quarters = floor(turn / 90 + .5);
     const double x = (turn - 90 * quarters) * (3.14159265358979323846 / 180); /* the difference
-                                                                                * is exact */
+                                                                               * is exact */
     const double sx = x * series(x * x, 1), cx = series(x * x, 0);
     switch ((int)quarters & 3) {
     case 0:

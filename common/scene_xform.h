@@ -18,7 +18,8 @@ struct scene_xform scene_xform_scale(const double factors[3]);
 /* Counter-clockwise seen against the axis, whose length is free but not 0. */
 struct scene_xform scene_xform_rotate(const double axis[3], double angle_deg);
 /* First `first`, then `then`. */
-struct scene_xform scene_xform_join(const struct scene_xform *then, const struct scene_xform *first);
+struct scene_xform scene_xform_join(const struct scene_xform *then,
+                                    const struct scene_xform *first);
 /* Camera at `from` that sees `to` in the middle and `up` upright. False: from and to coincide, or
  * `up` lies along the view (or is 0). */
 bool scene_xform_look_at(struct scene_xform *, const double from[3], const double to[3],

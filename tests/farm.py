@@ -1,259 +1,402 @@
-"""A real farm on loopback for the end-to-end tests: smaltid, workers, faults. Standard library only.
+"""farm.py - a real coordinator and real workers on loopback, for the e2e tests.
 
-    with Farm(["--tile", "32"]) as farm:
-        farm.worker("--threads", "2")
-        job = farm.submit(scene("cornell-box.json", width=64, height=64, spp=16))
-        print(farm.wait_job(job, "done", 60)["image"]["digest"])
+    import farm
 
-Every process is stopped when the block ends, however it ends, and a test that failed shows the last
-lines of their logs. Nothing sleeps for a fixed time: wait_for polls a condition up to a limit.
-BIN names the folder of the programs (default build/bin).
+    def test(f, t):
+        f.start_server("--tile", "32", "--lease-ttl", "2")
+        worker = f.start_worker("--threads", "1")
+        job = f.submit("scenes/cornell-box.json")
+        f.wait_for("the first image", lambda: f.job(job)["image"]["version"] > 0)
+        worker.kill()                        # -9; also freeze(), thaw(), stop()
+        t.ok(f.finish(job)["state"] == "done", "the job finishes all the same")
+
+    farm.main(test)
+
+The programs come from $BIN (default build/bin). State, logs and sockets are in a temporary directory that is removed
+when all is well. Whatever happens - a failed wait, Ctrl-C, SIGTERM - every process started here is stopped;
+after a failure the ends of their logs are shown as TAP diagnostics. Nothing sleeps for a fixed time: tests wait
+for conditions, with a limit. Python 3 standard library only. SPDX-License-Identifier: MIT
 """
+
+import hashlib
 import json
 import os
-import pathlib
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
 import time
+import traceback
 import urllib.error
 import urllib.request
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
-BIN = pathlib.Path(os.environ.get("BIN", ROOT / "build" / "bin")).resolve()
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+BIN = os.path.join(ROOT, os.environ.get("BIN", "build/bin"))
+
+# Sanitized programs are slower; the limits of waiting stretch with them, the tests stay the same.
+SLOWER = next((factor for mode, factor in (("tsan", 12), ("asan", 6), ("debug", 6), ("coverage", 6))
+               if mode in BIN.split(os.sep) or mode + "-clang" in BIN.split(os.sep)), 1)
+
+
+class Failure(Exception):
+    """A test cannot go on: a limit was reached, or a program died."""
 
 
 class Tap:
-    """Test Anything Protocol, for prove."""
+    """Test Anything Protocol, as tests/tap.h."""
 
     def __init__(self):
         self.count = self.failed = 0
 
-    def ok(self, condition, text):
+    def ok(self, held, text, *details):
+        """One check. Details are shown when it does not hold."""
         self.count += 1
-        self.failed += not condition
-        print(f"{'' if condition else 'not '}ok {self.count} - {text}", flush=True)
-        return condition
+        self.failed += not held
+        print(f"{'ok' if held else 'not ok'} {self.count} - {text}", flush=True)
+        if not held:
+            for detail in details:
+                self.diag(detail)
+        return bool(held)
 
-    def skip(self, text):
+    def equal(self, got, want, text):
+        return self.ok(got == want, text, f"got:  {got!r}", f"want: {want!r}")
+
+    def skip(self, text, why):
         self.count += 1
-        print(f"ok {self.count} # skip {text}", flush=True)
+        print(f"ok {self.count} - {text} # SKIP {why}", flush=True)
 
     def diag(self, text):
-        for line in text.splitlines():
+        for line in str(text).splitlines():
             print(f"# {line}", flush=True)
 
     def done(self):
-        print(f"1..{self.count}")
-        return 1 if self.failed else 0
+        print(f"1..{self.count}", flush=True)
+        return 1 if self.failed or not self.count else 0
 
 
-def scene(name, width=None, height=None, **target):
-    """An example scene as text, at another size and with another target (spp, error, seconds)."""
-    document = json.loads((ROOT / "scenes" / name).read_text())
-    document["film"]["width"] = width or document["film"]["width"]
-    document["film"]["height"] = height or document["film"]["height"]
-    document["film"].pop("crop", None)
-    if target:
-        document.setdefault("settings", {})["target"] = target
-    return json.dumps(document)
+def skip_all(why):
+    """Leaves the whole program: what it needs is not installed."""
+    print(f"1..0 # SKIP {why}", flush=True)
+    sys.exit(0)
 
 
-def tool_local(document, threads=1, tile=64):
-    """The digest of the document rendered in one process, without a farm."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = pathlib.Path(folder, "scene.json")
-        path.write_text(document)
-        out = pathlib.Path(folder, "out.exr")
-        subprocess.run([BIN / "tool_local", path, out, "--threads", str(threads), "--tile", str(tile)],
-                       check=True, stdout=subprocess.DEVNULL)
-        digest = subprocess.run([BIN / "smalti", "digest", out], check=True, capture_output=True, text=True)
-        return digest.stdout.split()[0]
+def scene(name, width, height, **target):
+    """The example scene of that name at another size and with another target (spp, error, seconds)."""
+    with open(os.path.join(ROOT, "scenes", name), "rb") as file:
+        document = json.load(file)
+    document["film"].update(width=width, height=height)
+    document.setdefault("settings", {})["target"] = target
+    return document
 
 
-def tool_payload(document, job, lease):
-    """What a worker would deliver for this lease, traced by the real core."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = pathlib.Path(folder, "scene.json")
-        path.write_text(document)
-        numbers = [lease["tile"], lease["pass"], *lease["rect"], *lease["samples"]]
-        return subprocess.run([BIN / "tool_payload", path, job, *map(str, numbers)], check=True,
-                              capture_output=True).stdout
+def _with_document(document, program, *args):
+    with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+        json.dump(document, file)
+        file.flush()
+        return subprocess.run([os.path.join(BIN, program), file.name, *map(str, args)], check=True,
+                              stdin=subprocess.DEVNULL, stdout=subprocess.PIPE).stdout
 
 
-class Failure(Exception):
-    pass
+def local_digest(document, threads=1, tile=64):
+    """The digest of the document's image rendered in one process, without a farm."""
+    with tempfile.NamedTemporaryFile(suffix=".exr") as out:
+        return _with_document(document, "tool_local", out.name, "--threads", threads, "--tile", tile).decode().strip()
+
+
+def payload(document, job, lease):
+    """What a worker would deliver for that lease, traced by the real core."""
+    return _with_document(document, "tool_payload", job, lease["tile"], lease["pass"], *lease["rect"],
+                          *lease["samples"])
+
+
+class Reply:
+    def __init__(self, status, headers, body):
+        self.status, self.headers, self.body = status, headers, body
+
+    def json(self):
+        return json.loads(self.body)
+
+
+# Loopback is never reached through a proxy, whatever the environment says.
+_opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
+
+
+def request(method, url, body=None, headers=None, limit=30.0):
+    """An answer of any status is a Reply; no answer is an OSError."""
+    if isinstance(body, (dict, list)):
+        body = json.dumps(body).encode()
+        headers = {"Content-Type": "application/json", **(headers or {})}
+    call = urllib.request.Request(url, data=body, method=method, headers=headers or {})
+    try:
+        with _opener.open(call, timeout=limit * SLOWER) as answer:
+            return Reply(answer.status, answer.headers, answer.read())
+    except urllib.error.HTTPError as answer:
+        with answer:
+            return Reply(answer.code, answer.headers, answer.read())
+
+
+def wait_for(what, condition, limit=30.0, watch=lambda: None):
+    """Returns the first true value of condition(). An OSError of it (the server is away) is a no.
+    watch() is called between looks and may raise."""
+    end = time.monotonic() + limit * SLOWER
+    last = None
+    while True:
+        try:
+            last = condition()
+        except OSError as error:
+            last = error
+        if last and not isinstance(last, OSError):
+            return last
+        watch()
+        if time.monotonic() > end:
+            raise Failure(f"waited {limit * SLOWER:g} s for {what}; last seen: {last!r}")
+        time.sleep(0.02)
+
+
+class Process:
+    """A program with its log. `wanted` says that it should be alive."""
+
+    def __init__(self, name, argv, log_path, env=None):
+        self.name, self.log_path = name, log_path
+        with open(log_path, "ab") as log:
+            # A session of its own: Ctrl-C reaches the test alone, which then stops its children in order.
+            self.child = subprocess.Popen(argv, stdin=subprocess.DEVNULL, stdout=log, stderr=log,
+                                          env=env, cwd=ROOT, start_new_session=True)
+        self.wanted = True
+        self.frozen = False
+        self.bad_exit = None  # text, when it ended other than asked
+
+    @property
+    def pid(self):
+        return self.child.pid
+
+    def alive(self):
+        return self.child.poll() is None
+
+    def freeze(self):
+        self.child.send_signal(signal.SIGSTOP)
+        self.frozen = True
+
+    def thaw(self):
+        self.child.send_signal(signal.SIGCONT)
+        self.frozen = False
+
+    def kill(self):
+        """As by a power cut; its children go with it."""
+        self.wanted = False
+        try:
+            os.killpg(self.pid, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+        self.child.wait()
+
+    def stop(self, limit=20.0):
+        """SIGTERM and wait; returns the exit status. One that does not end is killed and None returned."""
+        self.wanted = False
+        if self.frozen:
+            self.thaw()
+        self.child.terminate()
+        try:
+            status = self.child.wait(limit * SLOWER)
+        except subprocess.TimeoutExpired:
+            self.kill()
+            self.bad_exit = f"{self.name} did not end within {limit * SLOWER:g} s of SIGTERM"
+            return None
+        if status:
+            self.bad_exit = f"{self.name} ended with status {status}"
+        return status
+
+    def wait(self, limit=20.0):
+        """Waits until it ends by itself; returns its exit status."""
+        self.wanted = False
+        wait_for(f"{self.name} to end", lambda: not self.alive(), limit)
+        return self.child.returncode
+
+    def log(self):
+        with open(self.log_path, errors="replace") as log:
+            return log.read()
 
 
 class Farm:
-    def __init__(self, flags=()):
-        self.flags = [str(f) for f in flags]
-        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="smalti-test-"))
-        self.state = self.folder / "state"
-        self.url = None
-        self.port = 0
-        self.coordinator = None
-        self.workers = []
-        self.started = 0
+    """One coordinator and its workers."""
 
-    # Life
+    def __init__(self):
+        self.dir = tempfile.mkdtemp(prefix="smalti-test-")
+        self.state = os.path.join(self.dir, "state")
+        self.port = 0        # any, at first; a restarted coordinator takes the port of the first again
+        self.url = None
+        self.server = None
+        self.processes = []
 
     def __enter__(self):
-        try:
-            self.start_coordinator()
-        except BaseException:
-            self.__exit__(*sys.exc_info())
-            raise
+        """For tests that need several farms: with farm.Farm() as f: ..."""
         return self
 
     def __exit__(self, kind, value, trace):
-        for process in [*self.workers, self.coordinator]:
-            if process and process.poll() is None:
-                process.send_signal(signal.SIGCONT)
-                process.kill()
-                process.wait()
-        if kind is not None and not issubclass(kind, SystemExit):
-            self.show_logs()
-        shutil.rmtree(self.folder, ignore_errors=True)
-        return False
+        self.kill()
+        if kind:
+            self.show_logs(Tap())
+        self.remove()
 
-    def show_logs(self):
-        for log in sorted(self.folder.glob("*.log")):
-            for line in log.read_text(errors="replace").splitlines()[-30:]:
-                print(f"# {log.name}: {line}", flush=True)
-
-    def spawn(self, name, *argv):
-        self.started += 1
-        with open(self.folder / f"{self.started:03}-{name}.log", "wb") as log:
-            return subprocess.Popen([str(a) for a in argv], stdin=subprocess.DEVNULL, stdout=log, stderr=log)
-
-    def start_coordinator(self):
-        """Starts it, on the same port and state as before when it ran before."""
-        announce = self.folder / "url"
-        announce.unlink(missing_ok=True)
-        self.coordinator = self.spawn("smaltid", BIN / "smaltid", "--port", self.port, "--state", self.state,
-                                      "--announce", announce, *self.flags)
-        self.wait_for(lambda: announce.exists() or self.coordinator.poll() is not None, 30, "smaltid listens")
-        if not announce.exists():
-            raise Failure(f"smaltid exited with {self.coordinator.returncode}")
-        self.url = announce.read_text().strip()
-        self.port = int(self.url.rsplit(":", 1)[1])
-
-    def kill_coordinator(self):
-        self.kill(self.coordinator)
-
-    def terminate_coordinator(self, limit):
-        return self.terminate(self.coordinator, limit)
-
-    def worker(self, *flags):
-        process = self.spawn("worker", BIN / "smalti-worker", "--server", self.url, "--cache", self.folder / "cache",
-                             *flags)
-        self.workers.append(process)
+    def start(self, name, argv, env=None):
+        """Any other program that should be stopped at the end, with a log."""
+        log_path = os.path.join(self.dir, f"{len(self.processes):02}-{name}.log")
+        process = Process(name, argv, log_path, env)
+        self.processes.append(process)
         return process
 
-    @staticmethod
-    def kill(process):
-        process.kill()
-        process.wait()
+    def start_server(self, *flags, limit=20.0):
+        """Returns when it answers. The state directory is kept from one start to the next."""
+        announce = os.path.join(self.dir, "announce")
+        if os.path.exists(announce):
+            os.unlink(announce)
+        self.server = self.start("smaltid", [
+            os.path.join(BIN, "smaltid"), "--port", str(self.port), "--state", self.state,
+            "--announce", announce, *flags])
 
-    @staticmethod
-    def freeze(process):
-        process.send_signal(signal.SIGSTOP)
+        def address():
+            with open(announce) as file:
+                return file.read().strip()
 
-    @staticmethod
-    def thaw(process):
-        process.send_signal(signal.SIGCONT)
+        self.url = wait_for("smaltid to listen", address, limit, self.check).rstrip("/")
+        self.port = int(self.url.rsplit(":", 1)[1])
+        wait_for("smaltid to be healthy", lambda: self.call("GET", "/healthz").status == 200, limit, self.check)
+        return self.server
 
-    @staticmethod
-    def terminate(process, limit):
-        """SIGTERM; its exit status."""
-        process.terminate()
-        return process.wait(timeout=limit)
+    def start_worker(self, *flags):
+        return self.start("worker", [os.path.join(BIN, "smalti-worker"), "--server", self.url,
+                                     "--cache", os.path.join(self.dir, "cache"), *flags])
 
-    # HTTP
+    def run(self, *args, limit=120.0, **options):
+        """The CLI, to its end: a CompletedProcess with text output."""
+        return subprocess.run([os.path.join(BIN, "smalti"), *args], cwd=ROOT, text=True, stdin=subprocess.DEVNULL,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=limit * SLOWER,
+                              check=False, **options)
 
-    def request(self, method, path, body=None, media=None, headers=None):
-        """Status and answer: JSON as data, anything else as bytes. Errors are answers too."""
-        request = urllib.request.Request(self.url + path, data=body, method=method, headers=dict(headers or {}))
-        if media:
-            request.add_header("Content-Type", media)
-        elif body is not None:
-            request.add_header("Content-Type", "application/json")
-        try:
-            with urllib.request.urlopen(request, timeout=60) as reply:
-                return reply.status, self.decode(reply)
-        except urllib.error.HTTPError as error:
-            with error:
-                return error.code, self.decode(error)
-
-    @staticmethod
-    def decode(reply):
-        data = reply.read()
-        return json.loads(data) if "json" in reply.headers.get("Content-Type", "") and data else data
-
-    def must(self, method, path, **more):
-        status, answer = self.request(method, path, **more)
-        if status >= 400:
-            raise Failure(f"{method} {path}: {status} {answer}")
-        return answer
+    def call(self, method, path, body=None, headers=None, limit=30.0):
+        return request(method, self.url + path, body, headers, limit)
 
     def get(self, path):
-        return self.must("GET", path)
+        reply = self.call("GET", path)
+        if reply.status != 200:
+            raise Failure(f"GET {path}: {reply.status} {reply.body[:500]!r}")
+        return reply.json()
 
-    def post(self, path, data):
-        return self.must("POST", path, body=json.dumps(data).encode())
+    def submit(self, document, priority=None):
+        """A scene document, or the path of one; returns the job's id."""
+        if isinstance(document, str):
+            with open(os.path.join(ROOT, document), "rb") as file:
+                document = json.load(file)
+        query = "" if priority is None else f"?priority={priority}"
+        reply = self.call("POST", "/v1/jobs" + query, document)
+        if reply.status != 201:
+            raise Failure(f"POST /v1/jobs: {reply.status} {reply.body[:500]!r}")
+        return reply.json()["id"]
 
-    def put(self, path, body):
-        return self.must("PUT", path, body=body, media="application/octet-stream")
-
-    def delete(self, path):
-        return self.must("DELETE", path)
-
-    # Jobs
-
-    def version(self):
-        return self.get("/healthz")["version"]
-
-    def submit(self, document):
-        return self.must("POST", "/v1/jobs", body=document.encode())["id"]
-
-    def jobs(self):
-        return self.get("/v1/jobs")["jobs"]
+    def upload(self, data):
+        """An asset's bytes; returns its name."""
+        name = hashlib.sha256(data).hexdigest()
+        reply = self.call("PUT", f"/v1/assets/{name}", data, {"Content-Type": "application/octet-stream"})
+        if reply.status not in (200, 201):
+            raise Failure(f"PUT /v1/assets/{name}: {reply.status} {reply.body[:500]!r}")
+        return name
 
     def job(self, job):
         return self.get(f"/v1/jobs/{job}")
 
-    def wait_job(self, job, state, limit):
-        last = {}
+    def done(self, job, limit=120.0):
+        """Waits until the job is done; any other end is a failure."""
+        ended = self.finish(job, limit)
+        if ended["state"] != "done":
+            raise Failure(f"job {job} is {ended['state']}: {ended['failure']}")
+        return ended
 
-        def reached():
-            last.update(self.job(job))
-            if last["state"] in ("done", "failed", "cancelled") and last["state"] != state:
-                raise Failure(f"job is {last['state']}: {last['failure']}")
-            return last["state"] == state
+    def lease(self, want, wait_ms=5000):
+        """Leases for a worker that the test plays itself."""
+        version = self.get("/healthz")["version"]
+        body = {"worker": "by-hand", "threads": 1, "version": version, "want": want, "wait_ms": wait_ms}
+        reply = self.call("POST", "/v1/leases", body)
+        if reply.status != 200:
+            raise Failure(f"POST /v1/leases: {reply.status} {reply.body[:500]!r}")
+        return reply.json()["leases"]
 
-        self.wait_for(reached, limit, f"job becomes {state}", explain=lambda: json.dumps(last))
-        return last
+    def deliver(self, lease, body):
+        return self.call("PUT", f"/v1/leases/{lease['lease']}?worker=by-hand&want=0", body,
+                         {"Content-Type": "application/octet-stream"})
 
-    def lease(self, want, wait_ms=5000, worker="by-hand"):
-        return self.post("/v1/leases", {"worker": worker, "threads": 1, "version": self.version(), "want": want,
-                                        "wait_ms": wait_ms})["leases"]
-
-    def download(self, job, name):
-        path = self.folder / name
-        path.write_bytes(self.get(f"/v1/jobs/{job}/{name}"))
-        return path
-
-    def cli(self, *argv, check=True):
-        return subprocess.run([str(BIN / "smalti"), *map(str, argv)], check=check, capture_output=True, text=True,
-                              env={**os.environ, "SMALTI_SERVER": self.url or ""})
+    def finish(self, job, limit=120.0):
+        """Waits until the job has ended, in whichever state, and returns it."""
+        return self.wait_for(f"job {job} to end", lambda: self._ended(self.job(job)), limit)
 
     @staticmethod
-    def wait_for(condition, limit, what, explain=lambda: ""):
-        end = time.monotonic() + limit
-        while not condition():
-            if time.monotonic() > end:
-                raise Failure(f"waited {limit} s in vain: {what} {explain()}")
-            time.sleep(.02)
+    def _ended(job):
+        return job if job["state"] in ("done", "failed", "cancelled") else None
+
+    def wait_for(self, what, condition, limit=30.0):
+        return wait_for(what, condition, limit, self.check)
+
+    def check(self):
+        """A program that should be alive and is not ends the test at once, not after a limit."""
+        for process in self.processes:
+            if process.wanted and not process.alive():
+                process.wanted = False
+                process.bad_exit = f"{process.name} ended with status {process.child.returncode}"
+                raise Failure(f"{process.bad_exit} (pid {process.pid})")
+
+    def stop(self):
+        """Stops all, workers before the coordinator; returns what did not end as it should."""
+        for process in reversed(self.processes):
+            if process.alive():
+                process.stop()
+            elif process.wanted:
+                process.bad_exit = f"{process.name} ended by itself, with status {process.child.returncode}"
+        return [process.bad_exit for process in self.processes if process.bad_exit]
+
+    def kill(self):
+        for process in self.processes:
+            process.kill()
+
+    def show_logs(self, tap, lines=40):
+        for process in self.processes:
+            tail = process.log().splitlines()[-lines:]
+            tap.diag(f"--- {process.name} (pid {process.pid}), the end of its log")
+            tap.diag("\n".join(tail))
+
+    def remove(self):
+        shutil.rmtree(self.dir, ignore_errors=True)
+
+
+def _terminate(*_):
+    raise KeyboardInterrupt
+
+
+def _run(test, farm, tap):
+    try:
+        test(farm, tap)
+        bad = farm.stop()
+        tap.ok(not bad, "every program stops on SIGTERM with status 0", *bad)
+    except Failure as failure:
+        tap.ok(False, "the test runs to its end", failure)
+    except KeyboardInterrupt:
+        tap.ok(False, "the test runs to its end", "interrupted")
+    except Exception:  # of the test itself: reported like any other failure
+        tap.ok(False, "the test runs to its end", traceback.format_exc())
+
+
+def main(test):
+    """Runs test(farm, tap) and exits with its verdict."""
+    signal.signal(signal.SIGTERM, _terminate)
+    for program in ("smaltid", "smalti-worker"):
+        if not os.access(os.path.join(BIN, program), os.X_OK):
+            print(f"Bail out! {os.path.join(BIN, program)} is not there: run make first", flush=True)
+            sys.exit(2)
+    tap, farm = Tap(), Farm()
+    try:
+        _run(test, farm, tap)
+    finally:
+        farm.kill()
+        if tap.failed:
+            farm.show_logs(tap)
+        farm.remove()
+    sys.exit(tap.done())

@@ -46,9 +46,9 @@ static bool triangles(const char *want)
     char got[512] = "";
     size_t n = 0;
     for (uint32_t i = 0; i < mesh.triangle_count && n < sizeof got - 40; i++)
-        n += (size_t)snprintf(got + n, sizeof got - n, "%s%u %u %u", i ? ", " : "",
-                              mesh.indices[3 * i], mesh.indices[3 * i + 1],
-                              mesh.indices[3 * i + 2]);
+        n +=
+            (size_t)snprintf(got + n, sizeof got - n, "%s%u %u %u", i ? ", " : "",
+                             mesh.indices[3 * i], mesh.indices[3 * i + 1], mesh.indices[3 * i + 2]);
     if (strcmp(got, want))
         diag("got %s", got);
     return !strcmp(got, want);
@@ -119,15 +119,17 @@ static void obj_refuses(void)
     refuses(MESH_OBJ, V3 "f 1 \\\n2 \\\n3\nsurf 0 1 0 1\n",
             "line 7: expected an OBJ statement for polygons (v, f, vt, vn, g, o, s, usemtl, mtllib "
             "...), got \"surf\"");
-    refuses(MESH_OBJ, "\x7f" "ELF\x02\x01 a",
+    refuses(MESH_OBJ,
+            "\x7f"
+            "ELF\x02\x01 a",
             "line 1: expected an OBJ statement for polygons (v, f, vt, vn, g, o, s, usemtl, mtllib "
             "...), got \"?ELF??\"");
 }
 
-#define XYZ "property float x\nproperty float y\nproperty float z\n"
-#define HEAD3 "ply\nformat ascii 1.0\nelement vertex 3\n" XYZ
+#define XYZ     "property float x\nproperty float y\nproperty float z\n"
+#define HEAD3   "ply\nformat ascii 1.0\nelement vertex 3\n" XYZ
 #define FACE(n) "element face " #n "\nproperty list uchar int vertex_indices\nend_header\n"
-#define ROWS3 "0 0 0\n1 0 0\n0 1 0\n"
+#define ROWS3   "0 0 0\n1 0 0\n0 1 0\n"
 
 static void ply_reads(void)
 {
@@ -160,8 +162,9 @@ static struct buf binary_mesh(bool big)
     const char *head = "\nelement vertex 3\nproperty double x\nproperty float y\nproperty short z\n"
                        "property char c\nelement face 2\nproperty list ushort uint vertex_indices\n"
                        "property list char double more\nend_header\n";
-    const char *format = big ? "ply\nformat binary_big_endian 1.0" : "ply\nformat "
-                                                                     "binary_little_endian 1.0";
+    const char *format = big ? "ply\nformat binary_big_endian 1.0"
+                             : "ply\nformat "
+                               "binary_little_endian 1.0";
     buf_append(&b, format, strlen(format));
     buf_append(&b, head, strlen(head));
     for (int i = 0; i < 3; i++) {
@@ -190,8 +193,8 @@ static void ply_binary(void)
 {
     for (int big = 0; big < 2; big++) {
         struct buf b = binary_mesh(big);
-        ok(read_as(MESH_PLY, b.data, b.size) && triangles("0 1 2, 2 1 0") &&
-               vertex(0, .25, 0, 0) && vertex(2, 2.25, -2, -600),
+        ok(read_as(MESH_PLY, b.data, b.size) && triangles("0 1 2, 2 1 0") && vertex(0, .25, 0, 0) &&
+               vertex(2, 2.25, -2, -600),
            "binary, %s-endian", big ? "big" : "little");
         size_t accepted = 0;
         for (size_t n = 0; n < b.size; n++)
@@ -207,7 +210,7 @@ static void ply_binary(void)
              b.size - (2 + 12 + 1 + 8));
     ok(!read_as(MESH_PLY, b.data, b.size) && !strcmp(err.text, want),
        "an index out of range is refused at its row: %s", err.text);
-    const double not_finite = NAN;
+    const double not_finite = (double)NAN;
     const char *rows = strstr((const char *)b.data, "end_header\n") + 11;
     memcpy(b.data + (rows - (const char *)b.data), &not_finite, sizeof not_finite);
     ok(!read_as(MESH_PLY, b.data, b.size) && strstr(err.text, "vertex 0: expected coordinates in "
@@ -229,14 +232,16 @@ static void ply_refuses(void)
             "\"text\"");
     refuses(f, "ply\nformat ascii 1.0\nproperty int x\n",
             "line 3: expected an element before its properties");
-    refuses(f, "ply\nformat ascii 1.0\nelement vertex -1\n", "line 3: expected a count, got \"-1\"");
+    refuses(f, "ply\nformat ascii 1.0\nelement vertex -1\n",
+            "line 3: expected a count, got \"-1\"");
     refuses(f, "ply\nformat ascii 1.0\nelement vertex 1\nproperty half x\n",
             "line 4: expected a type (char, uchar, short, ushort, int, uint, float, double), got "
             "\"half\"");
     refuses(f, "ply\nformat ascii 1.0\nelement vertex 1\nproperty list float int x\n",
             "line 4: expected a whole type for the count of a list");
-    refuses(f, "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float "
-               "y\nend_header\n0 0\n0 0\n0 0\n",
+    refuses(f,
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float "
+            "y\nend_header\n0 0\n0 0\n0 0\n",
             "line 6: expected x, y and z once each among the properties of a vertex");
     refuses(f, "ply\nformat ascii 1.0\n" FACE(0), "line 5: expected the vertices before the faces");
     refuses(f, HEAD3 "element face 1\nproperty int flags\nend_header\n" ROWS3 "1\n",
@@ -249,7 +254,8 @@ static void ply_refuses(void)
             "line 11: vertex 1: expected the end of the line, got \"0\"");
     refuses(f, HEAD3 FACE(1) "0 0 0\n1 0\n0 1 0\n3 0 1 2\n",
             "line 11: vertex 1: expected more values before the line ends");
-    refuses(f, HEAD3 FACE(1) ROWS3 "3 0 1 3\n", "line 13: face 0: expected a vertex from 0 to 2, got 3");
+    refuses(f, HEAD3 FACE(1) ROWS3 "3 0 1 3\n",
+            "line 13: face 0: expected a vertex from 0 to 2, got 3");
     refuses(f, HEAD3 FACE(1) ROWS3 "3 0 1 -1\n",
             "line 13: face 0: expected a vertex from 0 to 2, got -1");
     refuses(f, HEAD3 FACE(1) ROWS3 "3 0 1 .5\n",

@@ -1,5 +1,5 @@
-/* scene_json.c and its neighbours: what valid documents mean, what defaults they get, and the limits
- * whose documents are too large to keep as files (tests/invalid has the rest).
+/* scene_json.c and its neighbours: what valid documents mean, what defaults they get, and the
+ * limits whose documents are too large to keep as files (tests/invalid has the rest).
  * SPDX-License-Identifier: MIT */
 #include "common/scene.h"
 
@@ -18,18 +18,18 @@ static struct scene_errors errors;
 
 static bool parse(const char *json)
 {
-    const bool good =
-        scene_parse(&scene, json, strlen(json), SCENE_FROM_DISK, &arena, &errors);
+    const bool good = scene_parse(&scene, json, strlen(json), SCENE_FROM_DISK, &arena, &errors);
     for (size_t i = 0; !good && i < errors.count && i < 5; i++)
         diag("%s: %s", errors.list[i].where, errors.list[i].what);
     return good;
 }
 
-#define FILM   "\"film\": {\"width\": 64, \"height\": 48}"
-#define CAMERA "\"camera\": {\"type\": \"perspective\", \"fov_deg\": 90, " \
-               "\"look_at\": {\"from\": [1, 2, 3], \"to\": [1, 2, 0]}}"
-#define HEAD   "{\"smalti\": 1, " FILM ", " CAMERA ", "
-#define GRAY   "\"materials\": {\"gray\": {\"type\": \"diffuse\", \"albedo\": 0.5}}, "
+#define FILM "\"film\": {\"width\": 64, \"height\": 48}"
+#define CAMERA                                                                                     \
+    "\"camera\": {\"type\": \"perspective\", \"fov_deg\": 90, "                                    \
+    "\"look_at\": {\"from\": [1, 2, 3], \"to\": [1, 2, 0]}}"
+#define HEAD "{\"smalti\": 1, " FILM ", " CAMERA ", "
+#define GRAY "\"materials\": {\"gray\": {\"type\": \"diffuse\", \"albedo\": 0.5}}, "
 
 static bool is_vec(const float v[3], double x, double y, double z)
 {
@@ -48,8 +48,8 @@ static bool near_point(const struct xform *x, const double p[3], const double wa
     for (int i = 0; i < 3; i++)
         worst = fmax(worst, fabs((double)got[i] - want[i]));
     if (!(worst <= 1e-6))
-        diag("got %g %g %g, want %g %g %g", (double)got[0], (double)got[1], (double)got[2],
-             want[0], want[1], want[2]);
+        diag("got %g %g %g, want %g %g %g", (double)got[0], (double)got[1], (double)got[2], want[0],
+             want[1], want[2]);
     return worst <= 1e-6;
 }
 
@@ -77,8 +77,8 @@ static void defaults(void)
 static void film_and_settings(void)
 {
     ok(parse("{\"smalti\": 1.0, \"title\": \"B\\u00f6x\", \"film\": {\"width\": 640.0, "
-             "\"height\": 4.8e2, \"filter\": {\"type\": \"tent\"}, \"crop\": [10, 20, 30, 40]}, "
-             CAMERA ", \"materials\": {}, \"shapes\": [], \"settings\": {\"integrator\": "
+             "\"height\": 4.8e2, \"filter\": {\"type\": \"tent\"}, \"crop\": [10, 20, 30, "
+             "40]}, " CAMERA ", \"materials\": {}, \"shapes\": [], \"settings\": {\"integrator\": "
              "\"path\", \"max_bounces\": 0, \"seed\": 9007199254740991, \"target\": {\"error\": "
              "0.02, \"seconds\": 60}}}"),
        "whole numbers may be written as 640.0 and 4.8e2");
@@ -125,11 +125,12 @@ static void camera(void)
 
 static void materials(void)
 {
-    ok(parse(HEAD "\"materials\": {\"z\": {\"type\": \"diffuse\", \"albedo\": [0.1, 0.2, 1]}, "
-                  "\"a\": {\"type\": \"mirror\"}, \"m\": {\"type\": \"dielectric\", \"ior\": 1.5}, "
-                  "\"b\": {\"type\": \"conductor\", \"eta\": [0.2, 0.4, 1.4], \"k\": 3, \"alpha\": "
-                  "0}}, \"shapes\": [{\"type\": \"sphere\", \"material\": \"m\", \"center\": [1, 2, "
-                  "3], \"radius\": 4}]}"),
+    ok(parse(HEAD
+             "\"materials\": {\"z\": {\"type\": \"diffuse\", \"albedo\": [0.1, 0.2, 1]}, "
+             "\"a\": {\"type\": \"mirror\"}, \"m\": {\"type\": \"dielectric\", \"ior\": 1.5}, "
+             "\"b\": {\"type\": \"conductor\", \"eta\": [0.2, 0.4, 1.4], \"k\": 3, \"alpha\": "
+             "0}}, \"shapes\": [{\"type\": \"sphere\", \"material\": \"m\", \"center\": [1, 2, "
+             "3], \"radius\": 4}]}"),
        "every kind of material");
     const struct material *m = scene.materials;
     ok(scene.material_count == 4 && !strcmp(m[0].name, "z") && !strcmp(m[3].name, "b"),
@@ -146,18 +147,19 @@ static void materials(void)
 
 static void shapes(void)
 {
-    ok(parse(HEAD GRAY
-             "\"shapes\": [{\"type\": \"sphere\", \"material\": \"gray\", \"center\": [1, 2, -0], "
-             "\"radius\": 4, \"emission\": [1, 2, 3]}, "
-             "{\"type\": \"disc\", \"material\": \"gray\", \"center\": [0, 1, 0], \"normal\": [0, "
-             "-2, 0], \"radius\": 0.5}, "
-             "{\"type\": \"quad\", \"material\": \"gray\", \"vertices\": [[0, 0, 0], [1, 0, 0], "
-             "[2, 3, 0], [0, 1, 0]]}, "
-             "{\"type\": \"mesh\", \"material\": \"gray\", \"vertices\": [[0, 0, 0], [1, 0, 0], [0, "
-             "1, 0], [0, 0, 1]], \"triangles\": [[0, 1, 2], [3, 2, 1]]}, "
-             "{\"type\": \"mesh\", \"material\": \"gray\", \"file\": \"a/b.OBJ\"}, "
-             "{\"type\": \"mesh\", \"material\": \"gray\", \"format\": \"ply\", \"asset\": "
-             "\"0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef\"}]}"),
+    ok(parse(
+           HEAD GRAY
+           "\"shapes\": [{\"type\": \"sphere\", \"material\": \"gray\", \"center\": [1, 2, -0], "
+           "\"radius\": 4, \"emission\": [1, 2, 3]}, "
+           "{\"type\": \"disc\", \"material\": \"gray\", \"center\": [0, 1, 0], \"normal\": [0, "
+           "-2, 0], \"radius\": 0.5}, "
+           "{\"type\": \"quad\", \"material\": \"gray\", \"vertices\": [[0, 0, 0], [1, 0, 0], "
+           "[2, 3, 0], [0, 1, 0]]}, "
+           "{\"type\": \"mesh\", \"material\": \"gray\", \"vertices\": [[0, 0, 0], [1, 0, 0], [0, "
+           "1, 0], [0, 0, 1]], \"triangles\": [[0, 1, 2], [3, 2, 1]]}, "
+           "{\"type\": \"mesh\", \"material\": \"gray\", \"file\": \"a/b.OBJ\"}, "
+           "{\"type\": \"mesh\", \"material\": \"gray\", \"format\": \"ply\", \"asset\": "
+           "\"0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef\"}]}"),
        "every kind of shape");
     const struct shape *s = scene.shapes;
     ok(s[0].kind == SHAPE_SPHERE && is_vec(s[0].sphere.center, 1, 2, 0) &&
@@ -184,8 +186,9 @@ static bool sphere_at(const char *transform)
 {
     char json[1024];
     snprintf(json, sizeof json,
-             HEAD GRAY "\"shapes\": [{\"type\": \"sphere\", \"material\": \"gray\", \"center\": [0, "
-                       "0, 0], \"radius\": 1, \"transform\": %s}]}",
+             HEAD GRAY
+             "\"shapes\": [{\"type\": \"sphere\", \"material\": \"gray\", \"center\": [0, "
+             "0, 0], \"radius\": 1, \"transform\": %s}]}",
              transform);
     return parse(json);
 }
@@ -215,7 +218,7 @@ static void transforms(void)
         snprintf(step, sizeof step, "[{\"rotate_deg\": {\"axis\": [1, 2, 2], \"angle\": %d.5}}]",
                  deg);
         if (!sphere_at(step))
-            worst = INFINITY;
+            worst = (double)INFINITY;
         x = &scene.shapes[0].to_world;
         const double a = (deg < 0 ? deg - .5 : deg + .5) * acos(-1) / 180, c = cos(a), s = sin(a);
         const double k[3] = {1. / 3, 2. / 3, 2. / 3};
@@ -247,8 +250,8 @@ static void lights(void)
 static bool one_error(enum err_code code, const char *where, const char *what)
 {
     const struct scene_error *e = errors.list;
-    const bool same = errors.count == 1 && e->code == code && !strcmp(e->where, where) &&
-                      !strcmp(e->what, what);
+    const bool same =
+        errors.count == 1 && e->code == code && !strcmp(e->where, where) && !strcmp(e->what, what);
     if (!same && errors.count)
         diag("got %s: %s", e->where, e->what);
     return same;
@@ -277,8 +280,8 @@ static bool parse_many(const char *before, const char *item, size_t count, const
         }
     }
     text_append(&b, after);
-    const bool good = scene_parse(&scene, (const char *)b.data, b.size, SCENE_FROM_DISK, &arena,
-                                  &errors);
+    const bool good =
+        scene_parse(&scene, (const char *)b.data, b.size, SCENE_FROM_DISK, &arena, &errors);
     buf_release(&b);
     return good;
 }
@@ -344,6 +347,20 @@ static void examples(void)
     ok(seen >= 4, "there are examples (%d)", seen);
 }
 
+static void specification(void)
+{
+    struct buf b = {0};
+    struct err err;
+    const bool read = buf_read_file(&b, "docs/scene.md", SCENE_MAX_BYTES, &err);
+    buf_append(&b, "", 1);
+    char *begin = read ? strstr((char *)b.data, "```json\n") : NULL;
+    char *end = begin ? strstr(begin + 8, "```") : NULL;
+    if (end)
+        *end = '\0';
+    ok(end && parse(begin + 8) && scene.shape_count == 3, "the example of docs/scene.md is valid");
+    buf_release(&b);
+}
+
 int main(void)
 {
     defaults();
@@ -355,6 +372,7 @@ int main(void)
     lights();
     limits();
     examples();
+    specification();
     arena_release(&arena);
     return tap_done();
 }

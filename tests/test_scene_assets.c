@@ -31,8 +31,7 @@ static bool named(const char *json, const char *want)
     const char *got = scene_name_assets(json, strlen(json), hex, &arena);
     if (strcmp(got, want))
         diag("got %s", got);
-    return !strcmp(got, want) &&
-           scene_parse(&s, got, strlen(got), SCENE_FROM_NET, &arena, &e);
+    return !strcmp(got, want) && scene_parse(&s, got, strlen(got), SCENE_FROM_NET, &arena, &e);
 }
 
 int main(void)
@@ -46,10 +45,11 @@ int main(void)
              HEAD ":[{\"material\":\"file\",\"asset\": \"" A "\", \"format\": \"obj\","
                   "\"type\":\"mesh\"}]}"),
        "whatever its name looks like");
-    ok(named(HEAD ": [{\"t\\u0079pe\": \"m\\u0065sh\", \"material\": \"f\\u0069le\", \"f\\u0069le\" "
-                  ": \"\\u00e9\\\\\\ud83d\\ude00.\\u0050ly\"}]}",
-             HEAD ": [{\"t\\u0079pe\": \"m\\u0065sh\", \"material\": \"f\\u0069le\", \"asset\": \""
-                  A "\", \"format\": \"ply\"}]}"),
+    ok(named(
+           HEAD ": [{\"t\\u0079pe\": \"m\\u0065sh\", \"material\": \"f\\u0069le\", \"f\\u0069le\" "
+                ": \"\\u00e9\\\\\\ud83d\\ude00.\\u0050ly\"}]}",
+           HEAD ": [{\"t\\u0079pe\": \"m\\u0065sh\", \"material\": \"f\\u0069le\", \"asset\": \"" A
+                "\", \"format\": \"ply\"}]}"),
        "and however it is escaped");
 #define INLINE                                                                                     \
     "{\"type\": \"mesh\", \"material\": \"file\", \"vertices\": [[0,0,0],[1,0,0],[0,1,0.0]], "     \

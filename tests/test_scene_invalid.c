@@ -60,8 +60,10 @@ static void check_document(const char *name)
     if (!buf_read_file(&want, path, 1 << 20, &err))
         diag("%s", err.text);
     buf_append(&want, "", 1);
-    if (!ok(!strcmp((const char *)got.data, (const char *)want.data), "%s is refused in so many "
-                                                                      "words", name))
+    if (!ok(!strcmp((const char *)got.data, (const char *)want.data),
+            "%s is refused in so many "
+            "words",
+            name))
         diag("got:\n%s# want:\n%s", (const char *)got.data, (const char *)want.data);
     buf_release(&got);
     buf_release(&want);

@@ -97,8 +97,10 @@ static void hashes_are_independent(void)
                 least = fmin(least, grid_p(&g));
                 tests++;
             }
-    ok(least > stat_sidak(0.01, tests), "coordinates of dimensions 0 to 7 are pairwise independent"
-       " over pixels: p %g", least);
+    ok(least > stat_sidak(0.01, tests),
+       "coordinates of dimensions 0 to 7 are pairwise independent"
+       " over pixels: p %g",
+       least);
     least = 1;
     for (uint32_t s = 1; s < 24; s++) {
         struct grid g = {{0}, 0}, h = {{0}, 0};
@@ -126,10 +128,12 @@ static void deep_dimensions_are_independent(void)
                 grid_add(&g, of_pixel(p, 0, d, false), of_pixel(p, 0, d + lag, false));
         least = fmin(least, grid_p(&g));
     }
-    ok(least > stat_sidak(0.01, 10), "dimensions 0 to 300 of a sample are independent: p %g", least);
+    ok(least > stat_sidak(0.01, 10), "dimensions 0 to 300 of a sample are independent: p %g",
+       least);
 }
 
-/* The mean of a smooth function: the error of Owen-scrambled nets falls far faster than 1/sqrt(n). */
+/* The mean of a smooth function: the error of Owen-scrambled nets falls far faster than 1/sqrt(n).
+ */
 static void smooth_integrals_converge(void)
 {
     double square[2] = {0, 0};

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: MIT */
+#include "tests/fake_job.h"
+
+#include <stdio.h>
+#include <string.h>
+
+struct store_job fake_job_row(uint32_t width_px, uint32_t height_px, struct scene_target target)
+{
+    static uint64_t last = 0xfedcba9800000000; /* as large as ids get */
+    struct store_job row = {
+        .id = ++last,
+        .number = last & 0xffffffff,
+        .width_px = width_px,
+        .height_px = height_px,
+        .tile_px = 8,
+        .crop = {0, 0, width_px, height_px},
+        .target = target,
+        .error = -1,
+    };
+    hash_hex("fake", 4, row.document);
+    snprintf(row.title, sizeof row.title, "fake");
+    return row;
+}
+
+struct job *fake_job_open(uint32_t width_px, uint32_t height_px, struct scene_target target)
+{
+    const struct store_job row = fake_job_row(width_px, height_px, target);
+    struct job *j = job_new(&row);
+    struct film film;
+    film_init(&film, row.crop);
+    job_open(j, &film, NULL);
+    return j;
+}
+
+void fake_job_fill(struct film_samples *s, float noise)
+{
+    float *sum = s->sums;
+    for (uint32_t y = s->rect.y_begin; y < s->rect.y_end; y++)
+        for (uint32_t x = s->rect.x_begin; x < s->rect.x_end; x++)
+            for (uint32_t r = 0; r < FILM_REPLICATES; r++)
+                for (uint32_t c = 0; c < 3; c++) {
+                    const float n = (float)(film_replicate_spp(s->pass.s_end, r) -
+                                            film_replicate_spp(s->pass.s_begin, r));
+                    const float level = (float)(1 + (x * 7 + y * 13 + c * 5) % 11);
+                    const float wobble =
+                        (float)((x + y * 3 + r * 17 + s->pass.s_end * 29) % 19) / 19;
+                    *sum++ = n * (level + noise * wobble);
+                }
+}
+
+struct wire_samples fake_job_payload(const struct job *j, uint32_t tile, uint32_t pass, float noise,
+                                     struct arena *arena)
+{
+    struct wire_samples w = {
+        .job = j->row.id,
+        .tile = tile,
+        .pass = pass,
+        .cpu_us = 1000,
+        .samples = film_samples_make(tile_rect_of(&j->grid, tile),
+                                     tile_pass_of(pass, j->row.target.spp), arena),
+    };
+    fake_job_fill(&w.samples, noise);
+    return w;
+}

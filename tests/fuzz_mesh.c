@@ -1,0 +1,31 @@
+/* Any bytes as a mesh: an answer, never a crash, and indices that are vertices. The first byte
+ * chooses the format.
+ *
+ *     build/fuzz-clang/bin/fuzz_mesh -max_len=5000 CORPUS
+ * SPDX-License-Identifier: MIT */
+#include <math.h>
+#include <stdlib.h>
+
+#include "common/mesh.h"
+
+int LLVMFuzzerTestOneInput(const unsigned char *data, size_t bytes);
+
+int LLVMFuzzerTestOneInput(const unsigned char *data, size_t bytes)
+{
+    if (bytes == 0)
+        return 0;
+    struct arena arena = {0};
+    struct err err = {0};
+    struct mesh mesh = {.format = data[0] % 2 ? MESH_PLY : MESH_OBJ};
+    bool good = mesh_read(&mesh, data + 1, bytes - 1, &arena, &err);
+    if (!good && (!*err.text || (err.code != ERR_INPUT && err.code != ERR_LIMIT)))
+        abort();
+    for (size_t i = 0; good && i < (size_t)3 * mesh.triangle_count; i++)
+        if (mesh.indices[i] >= mesh.vertex_count)
+            abort();
+    for (size_t i = 0; good && i < (size_t)3 * mesh.vertex_count; i++)
+        if (!isfinite(mesh.vertices[i]))
+            abort();
+    arena_release(&arena);
+    return 0;
+}

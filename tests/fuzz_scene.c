@@ -1,0 +1,79 @@
+/* Any bytes as a scene document: an answer, never a crash, and a scene that keeps its promises.
+ *
+ *     build/fuzz-clang/bin/fuzz_scene -max_len=20000 CORPUS tests/invalid scenes
+ * SPDX-License-Identifier: MIT */
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/scene.h"
+
+int LLVMFuzzerTestOneInput(const unsigned char *data, size_t bytes);
+
+static void require(bool cond)
+{
+    if (!cond)
+        abort();
+}
+
+static void check_errors(const struct scene_errors *e)
+{
+    require(e->count >= 1 && e->count <= 100);
+    for (size_t i = 0; i < e->count; i++) {
+        require(e->list[i].code == ERR_INPUT || e->list[i].code == ERR_LIMIT);
+        require(e->list[i].where && e->list[i].what && *e->list[i].what);
+        for (const char *c = e->list[i].what; *c; c++)
+            require((unsigned char)*c >= 0x20);
+    }
+}
+
+static void check_scene(const struct scene *s)
+{
+    const struct scene_film *f = &s->film;
+    require(f->crop_x_begin < f->crop_x_end && f->crop_x_end <= f->width_px);
+    require(f->crop_y_begin < f->crop_y_end && f->crop_y_end <= f->height_px);
+    require(s->camera.fov_y_rad > 0 && s->camera.fov_y_rad < 3.15f);
+    require(s->settings.target.spp >= 1 && s->settings.target.spp <= SCENE_MAX_SPP);
+    for (uint32_t i = 0; i < s->shape_count; i++) {
+        require(s->shapes[i].material < s->material_count);
+        require(s->shapes[i].kind != SHAPE_MESH || s->shapes[i].mesh.mesh < s->mesh_count);
+        require(s->shapes[i].kind != SHAPE_SPHERE || s->shapes[i].sphere.radius > 0);
+    }
+    for (uint32_t i = 0; i < s->mesh_count; i++)
+        for (size_t k = 0; k < (size_t)3 * s->meshes[i].triangle_count; k++)
+            require(s->meshes[i].indices[k] < s->meshes[i].vertex_count);
+}
+
+static void check_assets(const struct scene *scene, const char *json, size_t bytes,
+                         struct arena *arena)
+{
+    char(*hex)[HASH_HEX] = arena_alloc(arena, scene->mesh_count, HASH_HEX, 1);
+    for (uint32_t i = 0; i < scene->mesh_count; i++)
+        memset(hex[i], '0' + (int)(i % 10), HASH_HEX - 1);
+    const char *text = scene_name_assets(json, bytes, hex, arena);
+    struct scene sent;
+    struct scene_errors errors;
+    if (strlen(text) > SCENE_MAX_BYTES)
+        return;
+    require(scene_parse(&sent, text, strlen(text), SCENE_FROM_NET, arena, &errors));
+    require(sent.mesh_count == scene->mesh_count && sent.shape_count == scene->shape_count);
+    for (uint32_t i = 0; i < sent.mesh_count; i++)
+        require(!scene->meshes[i].file || !strcmp(sent.meshes[i].asset, hex[i]));
+}
+
+int LLVMFuzzerTestOneInput(const unsigned char *data, size_t bytes)
+{
+    struct arena arena = {0};
+    struct scene scene;
+    struct scene_errors errors;
+    const char *json = (const char *)data;
+    if (scene_parse(&scene, json, bytes, SCENE_FROM_NET, &arena, &errors))
+        check_scene(&scene);
+    else
+        check_errors(&errors);
+    if (scene_parse(&scene, json, bytes, SCENE_FROM_DISK, &arena, &errors)) {
+        check_scene(&scene);
+        check_assets(&scene, json, bytes, &arena);
+    }
+    arena_release(&arena);
+    return 0;
+}

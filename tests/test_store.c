@@ -1,0 +1,340 @@
+/* store.c and checkpoint.c: what is written is read back; what is damaged is refused.
+ * SPDX-License-Identifier: MIT */
+#include "server/store.h"
+
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "common/buf.h"
+#include "server/asset.h"
+#include "server/checkpoint.h"
+#include "server/disk.h"
+#include "tests/fake_job.h"
+#include "tests/tap.h"
+
+static char dir[] = "/tmp/smalti-test-store-XXXXXX";
+static char scratch[256];
+
+static const char *path_of(const char *name)
+{
+    snprintf(scratch, sizeof scratch, "%s/%s", dir, name);
+    return scratch;
+}
+
+/* ---- rows ---- */
+
+struct seen {
+    struct store_job jobs[4];
+    size_t count;
+};
+
+static void note(void *context, const struct store_job *row)
+{
+    struct seen *s = context;
+    if (s->count < countof(s->jobs))
+        s->jobs[s->count++] = *row;
+}
+
+static struct store_job full_row(void)
+{
+    struct store_job row =
+        fake_job_row(300, 200, (struct scene_target){.error = .0125, .spp = 77, .seconds = 2.5});
+    row.id = 0xffffffffffffffff;
+    row.crop = (struct tile_rect){10, 20, 110, 190};
+    row.state = JOB_PAUSED;
+    row.priority = -100;
+    row.settled = true;
+    row.created_unix_ms = 1764000000000;
+    row.started_unix_ms = 1764000000001;
+    row.finished_unix_ms = 0;
+    row.elapsed_ms = 123456;
+    row.samples = (uint64_t)1 << 50;
+    row.passes_done = 9;
+    row.spp_done = 64;
+    row.error = .25;
+    row.cpu_us = 5;
+    row.granted = 6;
+    row.expired = 7;
+    row.returned = 8;
+    row.duplicates = 9;
+    row.invalid_count = 3;
+    row.key_count = 2;
+    row.keys[0] = (struct film_key){1, 2, 3};
+    row.keys[1] = (struct film_key){4, 5, 6};
+    row.image_version = 11;
+    hash_hex("x", 1, row.digest);
+    row.checkpoint = 12;
+    row.failure = (struct store_failure){.has_pass = true, .tile = 3, .pass = 2};
+    snprintf(row.failure.reason, STORE_REASON, "a 'quoted' reason, \xc3\xa4");
+    return row;
+}
+
+static bool rows_equal(const struct store_job *a, const struct store_job *b)
+{
+    return a->id == b->id && a->number == b->number && !strcmp(a->document, b->document) &&
+           !strcmp(a->title, b->title) && a->state == b->state && a->priority == b->priority &&
+           a->width_px == b->width_px && a->height_px == b->height_px && a->tile_px == b->tile_px &&
+           !memcmp(&a->crop, &b->crop, sizeof a->crop) && a->target.error == b->target.error &&
+           a->target.spp == b->target.spp && a->target.seconds == b->target.seconds &&
+           a->settled == b->settled && a->created_unix_ms == b->created_unix_ms &&
+           a->started_unix_ms == b->started_unix_ms && a->finished_unix_ms == b->finished_unix_ms &&
+           a->elapsed_ms == b->elapsed_ms && a->samples == b->samples &&
+           a->passes_done == b->passes_done && a->spp_done == b->spp_done && a->error == b->error &&
+           a->cpu_us == b->cpu_us && a->granted == b->granted && a->expired == b->expired &&
+           a->returned == b->returned && a->duplicates == b->duplicates &&
+           a->invalid_count == b->invalid_count && a->key_count == b->key_count &&
+           !memcmp(a->keys, b->keys, a->key_count * sizeof a->keys[0]) &&
+           a->image_version == b->image_version && !strcmp(a->digest, b->digest) &&
+           a->checkpoint == b->checkpoint && !strcmp(a->failure.reason, b->failure.reason) &&
+           a->failure.has_pass == b->failure.has_pass && a->failure.tile == b->failure.tile &&
+           a->failure.pass == b->failure.pass;
+}
+
+static void rows(void)
+{
+    struct err err = {.text = ""};
+    struct store *s = store_open(path_of("a.db"), &err);
+    struct store_job full = full_row(), plain = fake_job_row(8, 8, (struct scene_target){.spp = 1});
+    if (!ok(s != NULL, "a store opens where there was none %s", err.text))
+        return;
+    ok(store_job_add(s, &full, &err) && store_job_add(s, &plain, &err) && full.number == 1 &&
+           plain.number == 2,
+       "jobs are numbered in order of submission");
+    struct store_job again = full;
+    ok(!store_job_add(s, &again, &err) && err.code == ERR_IO, "an id is taken once: %s", err.text);
+    plain.state = JOB_DONE;
+    plain.samples = 64;
+    ok(store_job_save(s, &plain, &err), "a row is saved");
+    store_close(s);
+
+    struct seen seen = {.count = 0};
+    s = store_open(path_of("a.db"), &err);
+    ok(s && store_jobs(s, note, &seen, &err) && seen.count == 2, "both are there after reopening");
+    ok(rows_equal(&seen.jobs[0], &full), "every field comes back");
+    ok(rows_equal(&seen.jobs[1], &plain), "and what was saved last");
+    store_close(s);
+}
+
+static void damaged(void)
+{
+    struct err err = {.text = ""};
+    FILE *f = fopen(path_of("b.db"), "wb");
+    fputs("this is not a database, however one looks at it, and it is long enough", f);
+    fclose(f);
+    ok(!store_open(path_of("b.db"), &err), "what is not a store is refused: %s", err.text);
+
+    struct store *s = store_open(path_of("c.db"), &err);
+    struct store_job row = fake_job_row(8, 8, (struct scene_target){.spp = 1});
+    row.tile_px = 0; /* would divide by zero later */
+    struct seen seen = {.count = 0};
+    ok(store_job_add(s, &row, &err) && !store_jobs(s, note, &seen, &err) && seen.count == 0,
+       "a row that makes no sense is refused: %s", err.text);
+    store_close(s);
+}
+
+/* ---- films ---- */
+
+enum { WIDTH = 20, HEIGHT = 17, TILES = 9 };
+
+static struct checkpoint expect(const struct store_job *row)
+{
+    return (struct checkpoint){.row = *row, .tile_count = TILES};
+}
+
+static struct checkpoint made(void)
+{
+    struct arena arena = {0};
+    struct job *j = fake_job_open(WIDTH, HEIGHT, (struct scene_target){.spp = 64});
+    struct checkpoint c = expect(&j->row);
+    film_init(&c.film, j->row.crop);
+    c.merged = arena_malloc(TILES, sizeof *c.merged);
+    for (uint32_t t = 0; t < TILES; t++)
+        for (uint32_t p = 0; p < t % 4; p++) {
+            struct wire_samples w = fake_job_payload(j, t, p, .3f, &arena);
+            film_samples_note_invalid(&w.samples, (struct film_key){w.samples.rect.x_begin, t, p});
+            film_merge(&c.film, &w.samples);
+            c.merged[t]++;
+        }
+    c.row.samples = 4711;
+    c.row.passes_done = 12;
+    c.row.cpu_us = 99;
+    c.row.elapsed_ms = 1234;
+    c.generation = 3;
+    arena_release(&arena);
+    job_free(j);
+    return c;
+}
+
+static void films(void)
+{
+    struct err err = {.text = ""};
+    struct checkpoint c = made(), back = expect(&c.row);
+    back.row.samples = back.row.cpu_us = 0;
+    const size_t pixels = WIDTH * HEIGHT;
+    ok(!checkpoint_read(&back, path_of("film"), &err) && err.code == ERR_NOT_FOUND,
+       "no film yet: %s", err.text);
+    ok(checkpoint_write(&c, path_of("film"), &err), "a film is written %s", err.text);
+    if (!ok(checkpoint_read(&back, path_of("film"), &err), "and read back %s", err.text))
+        return;
+    ok(!memcmp(back.film.sum, c.film.sum, pixels * 3 * sizeof *c.film.sum) &&
+           !memcmp(back.film.replicate, c.film.replicate,
+                   pixels * FILM_CHANNELS * sizeof *c.film.replicate) &&
+           !memcmp(back.film.spp, c.film.spp, pixels * sizeof *c.film.spp) &&
+           !memcmp(back.merged, c.merged, sizeof *c.merged * TILES),
+       "bit for bit");
+    ok(back.row.samples == 4711 && back.row.passes_done == 12 && back.row.cpu_us == 99 &&
+           back.row.elapsed_ms == 1234 && back.generation == 3,
+       "with its counters");
+    ok(back.film.invalid_count == c.film.invalid_count && back.row.key_count == c.film.key_count &&
+           !memcmp(back.row.keys, c.film.keys, c.film.key_count * sizeof c.film.keys[0]),
+       "and the keys of invalid samples");
+    checkpoint_release(&back);
+
+    struct checkpoint other = expect(&c.row);
+    other.row.id++;
+    ok(!checkpoint_read(&other, path_of("film"), &err) && err.code == ERR_INPUT,
+       "another job's film is refused: %s", err.text);
+    other = expect(&c.row);
+    other.row.target.spp = 16; /* merged passes beyond the job's end */
+    ok(!checkpoint_read(&other, path_of("film"), &err) && err.code == ERR_INPUT,
+       "so is one with passes that the job has not: %s", err.text);
+    checkpoint_release(&c);
+}
+
+static bool still_read(const struct store_job *row, const char *path)
+{
+    struct err err;
+    struct checkpoint c = expect(row);
+    if (!checkpoint_read(&c, path, &err))
+        return false;
+    checkpoint_release(&c);
+    return true;
+}
+
+static void put(const char *path, const struct buf *bytes, size_t n)
+{
+    FILE *f = fopen(path, "wb");
+    fwrite(bytes->data, 1, n, f);
+    fclose(f);
+}
+
+static void broken_films(void)
+{
+    struct err err;
+    struct buf bytes = {0};
+    struct checkpoint c = made();
+    if (!checkpoint_write(&c, path_of("film"), &err) ||
+        !buf_read_file(&bytes, path_of("film"), 1 << 24, &err)) {
+        ok(false, "%s", err.text);
+        return;
+    }
+    const char *path = path_of("film");
+    bool refused = true;
+    for (size_t n = 0; n < bytes.size; n += 1 + n / 50) {
+        put(path, &bytes, n);
+        refused &= !still_read(&c.row, path);
+    }
+    ok(refused, "a film cut short anywhere is refused");
+    refused = true;
+    for (size_t at = 0; at < bytes.size; at += 1 + at / 50) {
+        bytes.data[at] ^= 0x10;
+        put(path, &bytes, bytes.size);
+        refused &= !still_read(&c.row, path);
+        bytes.data[at] ^= 0x10;
+    }
+    ok(refused, "and one with a flipped bit");
+    buf_append(&bytes, "x", 1);
+    put(path, &bytes, bytes.size);
+    ok(!still_read(&c.row, path), "and one with a byte too many");
+    put(path, &bytes, bytes.size - 1);
+    ok(still_read(&c.row, path), "the whole one is taken");
+    buf_release(&bytes);
+    checkpoint_release(&c);
+}
+
+/* ---- files ---- */
+
+static void files(void)
+{
+    struct err err;
+    struct disk_file f;
+    struct stat st;
+    ok(disk_directory(path_of("x/y/z"), &err) && disk_directory(path_of("x/y/z"), &err),
+       "a directory is made with its parents, once");
+    put(path_of("plain"), &(struct buf){(unsigned char *)dir, 1, 1}, 1);
+    ok(!disk_directory(path_of("plain/x"), &err), "not under a file: %s", err.text);
+    ok(disk_create(&f, path_of("whole"), &err) && disk_write(&f, "abc", 3, &err) &&
+           stat(path_of("whole"), &st) != 0,
+       "a file is not seen before it is whole");
+    ok(disk_commit(&f, &err) && stat(path_of("whole"), &st) == 0 && st.st_size == 3, "then it is");
+    if (disk_create(&f, path_of("whole"), &err) && disk_write(&f, "nothing", 7, &err))
+        disk_abort(&f);
+    ok(stat(f.temporary, &st) != 0 && stat(path_of("whole"), &st) == 0 && st.st_size == 3,
+       "giving up leaves the old one and no trace");
+    ok(disk_create(&f, path_of("whole"), &err), "a crash leaves a temporary");
+    close(f.fd);
+    disk_clean(dir);
+    ok(stat(f.temporary, &st) != 0 && stat(path_of("whole"), &st) == 0, "which is cleaned up");
+    ok(disk_lock(path_of("lock"), &err) && !disk_lock(path_of("lock"), &err) &&
+           err.code == ERR_CONFLICT,
+       "a state directory belongs to one: %s", err.text);
+}
+
+static void full_disk(void)
+{
+    struct err err = {.text = ""};
+    struct disk_file f = {.fd = open("/dev/full", O_WRONLY), .path = "film", .temporary = "none"};
+    if (f.fd < 0) {
+        skip("no /dev/full here");
+        return;
+    }
+    ok(!disk_write(&f, "x", 1, &err) && err.code == ERR_IO, "a full disk is an error: %s",
+       err.text);
+    close(f.fd);
+}
+
+static void assets(void)
+{
+    struct err err;
+    char hex[HASH_HEX];
+    uint64_t bytes;
+    ok(asset_open_store(dir, &err), "assets have a place");
+    struct asset_spool *s = asset_spool_new(&err), *dropped = asset_spool_new(&err);
+    ok(s && asset_spool_add(s, "ab", 2, &err) && asset_spool_add(s, "c", 1, &err) &&
+           asset_spool_finish(s, &err) &&
+           !strcmp(s->hex, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"),
+       "a spool knows the hash of its bytes");
+    ok(!asset_exists(s->hex) && asset_adopt(s, &err) && asset_exists(s->hex), "and gets its name");
+    const int fd = asset_fd(s->hex, &bytes);
+    ok(fd >= 0 && bytes == 3, "an asset is read");
+    close(fd);
+    memcpy(hex, s->hex, sizeof hex);
+    asset_spool_free(s);
+    ok(asset_exists(hex), "and outlives its spool");
+    ok(dropped && asset_spool_add(dropped, "xyz", 3, &err), "one that is broken off");
+    struct stat st;
+    const struct disk_file gone = dropped->file;
+    asset_spool_free(dropped);
+    ok(stat(gone.temporary, &st) != 0, "leaves nothing");
+    ok(asset_put("abc", 3, hex, &err) && asset_exists(hex), "bytes that are here stay as they are");
+}
+
+int main(void)
+{
+    if (!mkdtemp(dir))
+        return 1;
+    rows();
+    damaged();
+    films();
+    broken_films();
+    files();
+    full_disk();
+    assets();
+    char command[300];
+    snprintf(command, sizeof command, "rm -rf %s", dir);
+    return tap_done() || system(command);
+}
