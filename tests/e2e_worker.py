@@ -1,114 +1,101 @@
-#!/usr/bin/env python3
-"""The worker's manners: it waits for its coordinator, caches, drains, hands back, and says what is wrong."""
-import hashlib
+"""The worker's manners: it waits for its coordinator, caches, drains, hands back, and says what is wrong.
+SPDX-License-Identifier: MIT"""
+
 import http.server
-import json
-import sys
+import os
 import threading
 import time
 
-from farm import Farm, Tap, scene, tool_local
+import farm
 
-tap = Tap()
-SMALL = scene("cornell-box.json", width=64, height=64, spp=16)
-LONG = scene("cornell-box.json", width=256, height=256, spp=65536)
-
-
-def logs(farm):
-    return "".join(log.read_text(errors="replace") for log in sorted(farm.folder.glob("*-worker.log")))
+SMALL = farm.scene("cornell-box.json", 64, 64, spp=16)
+LONG = farm.scene("cornell-box.json", 256, 256, spp=65536)
 
 
-def waits_for_its_coordinator(reference):
-    with Farm() as farm:
-        farm.terminate_coordinator(10)
-        worker = farm.worker("--threads", "1")
-        farm.wait_for(lambda: "coordinator_lost" in logs(farm), 10, "the worker misses its coordinator")
-        farm.start_coordinator()
-        done = farm.wait_job(farm.submit(SMALL), "done", 60)
-        tap.ok(done["image"]["digest"] == reference, "a worker that came before its coordinator renders")
-        tap.ok(worker.poll() is None and "coordinator_back" in logs(farm), "and says that it is there")
+def waits_for_its_coordinator(t):
+    reference = farm.local_digest(SMALL)
+    with farm.Farm() as f:
+        f.start_server("--tile", "16", "--checkpoint", "0").stop()
+        worker = f.start_worker("--threads", "1", "--log", "debug")
+        f.wait_for("the worker to miss its coordinator", lambda: "coordinator_lost" in worker.log())
+        f.start_server("--tile", "16", "--checkpoint", "0")
+        job = f.submit(SMALL)
+        f.wait_for("merged passes", lambda: f.job(job)["tile_passes"]["done"] > 0)
+        t.ok("coordinator_back" in worker.log(), "a worker that came before its coordinator finds it")
+        f.server.kill()
+        f.start_server("--tile", "16", "--checkpoint", "0")
+        t.equal(f.done(job)["image"]["digest"], reference, "and delivers to the one that comes after a crash")
+        t.ok("delivery_refused" not in worker.log(), "without a result being refused")
 
 
-def keeps_what_it_has_rendered(reference):
-    """The coordinator goes away while passes are rendered: they are delivered when it is back."""
-    with Farm(["--tile", "16", "--checkpoint", "0"]) as farm:
-        farm.worker("--threads", "1", "--log", "debug")
-        job = farm.submit(SMALL)
-        farm.wait_for(lambda: farm.job(job)["tile_passes"]["done"] > 0, 30, "passes are merged")
-        farm.terminate_coordinator(10)
-        delivered = logs(farm).count(" delivered ")
-        farm.start_coordinator()
-        done = farm.wait_job(job, "done", 60)
-        tap.ok(done["image"]["digest"] == reference, f"gone after {delivered} deliveries: the same image")
-        tap.ok("delivery_refused" not in logs(farm), "and no result was refused")
+def caches_by_hash(t):
+    with farm.Farm() as f:
+        f.start_server()
+        own = os.path.join(f.dir, "own")
+        worker = f.start_worker("--threads", "1", "--cache", own)
+        digest = f.done(f.submit(SMALL))["image"]["digest"]
+        files = [name for name in os.listdir(own) if len(name) == 64]
+        t.equal(len(files), 1, "the document lies in the cache, under its hash")
+        t.equal(worker.stop(), 0, "the worker stops")
+        with open(os.path.join(own, files[0]), "wb") as file:
+            file.write(b"damaged")
+        worker = f.start_worker("--threads", "1", "--cache", own)
+        t.equal(f.done(f.submit(SMALL))["image"]["digest"], digest, "a damaged file in it changes no pixel")
+        t.ok("cache_damaged" in worker.log(), "it is found out")
 
 
-def caches_by_hash():
-    with Farm() as farm:
-        flags = ["--threads", "1", "--cache", farm.folder / "own"]
-        first = farm.worker(*flags)
-        digest = farm.wait_job(farm.submit(SMALL), "done", 60)["image"]["digest"]
-        name = hashlib.sha256(SMALL.encode()).hexdigest()
-        tap.ok((farm.folder / "own" / name).read_bytes() == SMALL.encode(), "the document lies in the cache")
-        farm.terminate(first, 10)
-        (farm.folder / "own" / name).write_bytes(b"damaged")
-        farm.worker(*flags)
-        again = farm.wait_job(farm.submit(SMALL), "done", 60)
-        tap.ok(again["image"]["digest"] == digest and "cache_damaged" in logs(farm),
-               "a damaged file in it is found out and fetched again")
+def drains(t):
+    with farm.Farm() as f:
+        f.start_server("--tile", "16")
+        worker = f.start_worker("--threads", "1", "--name", "box-7")
+        job = f.submit(LONG)
+        f.wait_for("merged passes", lambda: f.job(job)["tile_passes"]["done"] > 0)
+        worker.wanted = False
+        t.equal(f.call("PATCH", "/v1/workers/box-7", {"state": "draining"}).status, 200, "a worker can be drained")
+        t.equal(worker.wait(), 0, "it exits 0")
+        left = f.job(job)
+        t.equal((left["workers"], left["leases"]["expired"]), (0, 0), "and holds nothing any more")
 
 
-def drains():
-    with Farm(["--tile", "16"]) as farm:
-        worker = farm.worker("--threads", "1", "--name", "box-7")
-        job = farm.submit(LONG)
-        farm.wait_for(lambda: farm.job(job)["tile_passes"]["done"] > 0, 30, "passes are merged")
-        farm.must("PATCH", "/v1/workers/box-7", body=b'{"state": "draining"}')
-        tap.ok(worker.wait(timeout=30) == 0, "a drained worker exits 0")
-        left = farm.job(job)
-        tap.ok(left["workers"] == 0 and left["leases"]["expired"] == 0, "and holds nothing any more")
-
-
-def leaves_when_told():
-    with Farm() as farm:
-        worker = farm.worker("--threads", "2", "--name", "box-8")
-        farm.wait_for(lambda: farm.get("/v1/workers")["workers"], 30, "the worker asks for work")
+def leaves_when_told(t):
+    with farm.Farm() as f:
+        f.start_server()
+        worker = f.start_worker("--threads", "2", "--name", "box-8")
+        f.wait_for("the worker to ask for work", lambda: f.get("/v1/workers")["workers"])
         begin = time.monotonic()
-        status = farm.terminate(worker, 10)
-        tap.ok(status == 0 and time.monotonic() - begin < 2, "an idle worker leaves at once on SIGTERM")
-        farm.worker("--threads", "1", "--name", "box-8")
-        tap.ok(farm.wait_job(farm.submit(SMALL), "done", 60), "the next one of its name is given work")
-        farm.terminate_coordinator(10)
-        worker = farm.workers[1]
-        tap.ok(farm.terminate(worker, 20) == 0, "it exits 0 without a coordinator, too")
+        t.equal(worker.stop(), 0, "an idle worker exits 0 on SIGTERM")
+        t.ok(time.monotonic() - begin < 2 * farm.SLOWER, "at once, not when its long poll ends")
+        worker = f.start_worker("--threads", "1", "--name", "box-8")
+        f.done(f.submit(SMALL))
+        t.ok(worker.alive(), "the next one of its name is given work")
+        job = f.submit(LONG)
+        f.wait_for("merged passes", lambda: f.job(job)["tile_passes"]["done"] > 0)
+        f.server.kill()
+        t.equal(worker.stop(), 0, "it exits 0 without its coordinator, too")
 
 
-def forgets_a_cancelled_job():
-    with Farm(["--tile", "256"]) as farm:
-        farm.worker("--threads", "2")
-        job = farm.submit(LONG)
-        farm.wait_for(lambda: farm.job(job)["state"] == "running", 30, "the job runs")
-        farm.delete(f"/v1/jobs/{job}")
-        tap.ok(farm.wait_job(farm.submit(SMALL), "done", 60), "after a job was cancelled the next one is rendered")
+def forgets_a_cancelled_job(t):
+    with farm.Farm() as f:
+        f.start_server("--tile", "256")
+        f.start_worker("--threads", "2")
+        job = f.submit(LONG)
+        f.wait_for("the job to run", lambda: f.job(job)["state"] == "running")
+        f.call("DELETE", f"/v1/jobs/{job}")
+        t.equal(f.done(f.submit(SMALL))["state"], "done", "after a job was cancelled the next one is rendered")
 
 
-def mesh_scene(bytes_, format_):
-    document = json.loads(SMALL)
-    document["shapes"].append({"type": "mesh", "material": "white", "format": format_,
-                               "asset": hashlib.sha256(bytes_).hexdigest()})
-    return json.dumps(document)
-
-
-def says_what_is_wrong_with_a_scene():
-    with Farm() as farm:
-        farm.worker("--threads", "2")
-        bad = b"ply\nformat ascii 1.0\nelement vertex 3\nthis is no property\n"
-        farm.put("/v1/assets/" + hashlib.sha256(bad).hexdigest(), bad)
-        failed = farm.wait_job(farm.submit(mesh_scene(bad, "ply")), "failed", 30)
-        reason = failed["failure"]["reason"]
-        tap.ok(hashlib.sha256(bad).hexdigest() in reason and "line 4" in reason,
-               f"a mesh that cannot be read fails the job: {reason}")
-        tap.ok(farm.wait_job(farm.submit(SMALL), "done", 60), "and the worker goes on")
+def names_a_bad_mesh(t):
+    with farm.Farm() as f:
+        f.start_server()
+        f.start_worker("--threads", "2")
+        name = f.upload(b"ply\nformat ascii 1.0\nelement vertex 3\nthis is no property\n")
+        document = farm.scene("cornell-box.json", 64, 64, spp=16)
+        document["shapes"].append({"type": "mesh", "material": "white", "format": "ply", "asset": name})
+        ended = f.finish(f.submit(document))
+        reason = (ended["failure"] or {}).get("reason", "")
+        t.ok(ended["state"] == "failed" and name in reason and "line 4" in reason,
+             "a mesh that cannot be read fails the job, with its name and line", ended)
+        t.equal(f.done(f.submit(SMALL))["state"], "done", "and the worker goes on")
 
 
 class OtherVersion(http.server.BaseHTTPRequestHandler):
@@ -127,40 +114,38 @@ class OtherVersion(http.server.BaseHTTPRequestHandler):
         pass
 
 
-def waits_for_its_version():
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), OtherVersion)
-    threading.Thread(target=server.serve_forever, daemon=True).start()
-    with Farm() as farm:
-        farm.url = f"http://127.0.0.1:{server.server_port}"
-        worker = farm.worker("--threads", "1")
-        farm.wait_for(lambda: "refused" in logs(farm), 10, "the worker says that it was refused")
-        time.sleep(.5)  # long enough for a loop that does not wait to ask many times
-        tap.ok(worker.poll() is None and OtherVersion.asked <= 2,
-               f"a worker of another version waits (asked {OtherVersion.asked} times)")
-        tap.ok("version: this coordinator is 9.9.9" in logs(farm), "and its log says why")
-        tap.ok(farm.terminate(worker, 10) == 0, "until it is stopped")
-    server.shutdown()
+def waits_for_its_version(t):
+    other = http.server.ThreadingHTTPServer(("127.0.0.1", 0), OtherVersion)
+    threading.Thread(target=other.serve_forever, daemon=True).start()
+    with farm.Farm() as f:
+        f.url = f"http://127.0.0.1:{other.server_port}"
+        worker = f.start_worker("--threads", "1")
+        f.wait_for("the refusal in the log", lambda: "version: this coordinator is 9.9.9" in worker.log())
+        time.sleep(.5)  # in which a loop that does not wait asks many times
+        t.ok(worker.alive() and OtherVersion.asked <= 2, "a worker of another version waits and asks rarely",
+             f"asked {OtherVersion.asked} times")
+        t.equal(worker.stop(), 0, "until it is stopped")
+    other.shutdown()
 
 
-def misuse():
-    with Farm() as farm:
+def refuses_misuse(t):
+    with farm.Farm() as f:
+        f.url = "http://127.0.0.1:1"
         for flags in (["--threads", "0"], ["--name", "no blanks"], ["--unheard-of"], ["--log", "loud"]):
-            tap.ok(farm.worker(*flags).wait(timeout=10) == 2, f"exit status 2: {' '.join(flags)}")
+            t.equal(f.start_worker(*flags).wait(), 2, f"exit status 2: {' '.join(flags)}")
+        f.url = "127.0.0.1:1"
+        t.equal(f.start_worker().wait(), 2, "exit status 2: an address without http://")
 
 
-def main():
-    reference = tool_local(SMALL)
-    waits_for_its_coordinator(reference)
-    keeps_what_it_has_rendered(reference)
-    caches_by_hash()
-    drains()
-    leaves_when_told()
-    forgets_a_cancelled_job()
-    says_what_is_wrong_with_a_scene()
-    waits_for_its_version()
-    misuse()
-    return tap.done()
+def test(f, t):
+    waits_for_its_coordinator(t)
+    caches_by_hash(t)
+    drains(t)
+    leaves_when_told(t)
+    forgets_a_cancelled_job(t)
+    names_a_bad_mesh(t)
+    waits_for_its_version(t)
+    refuses_misuse(t)
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+farm.main(test)
