@@ -136,7 +136,9 @@ static void contradictions(void)
     refuse(j, w, ERR_PROTOCOL, "fewer samples");
     j->row.settled = true;
     j->row.target.spp = 40;
-    w = fake_job_payload(in_order(), 3, 3, 0, &arena);
+    struct job *whole = fake_job_open(WIDTH, HEIGHT, to_128);
+    w = fake_job_payload(whole, 3, 3, 0, &arena);
+    job_free(whole);
     w.job = good.job;
     refuse(j, w, ERR_CONFLICT, "a pass leased before the job settled on less");
     job_free(j);
