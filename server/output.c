@@ -10,7 +10,7 @@
 #include "server/merge.h"
 
 enum {
-    SHARE = 20,      /* output takes less than one part in so many of the time */
+    SHARE = 50,      /* output takes less than one part in so many of the time */
     MAX_COPIES = 4,  /* snapshots of films at once */
     MAX_TASKS = 48,  /* at the writer */
     RETRY_MS = 5000, /* after a failure of the disk */

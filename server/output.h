@@ -1,7 +1,7 @@
 /* output.h - what is handed to the writer when, and what follows from its answers.
  *
  * A job has one task at the writer at a time. Images and checkpoints have least intervals
- * and are spaced so that they cost less than a twentieth of the time. A job becomes `done` when
+ * and are spaced so that they cost less than a fiftieth of the time. A job becomes `done` when
  * its final image and film are on disk and its row says so, in this order.
  * Owner thread only.
  * SPDX-License-Identifier: MIT */

@@ -30,9 +30,9 @@ class Browser:
         home = os.path.join(f.dir, "browser")
         os.mkdir(home)
         env = {**os.environ, "HOME": home, "TMPDIR": home, "XDG_CONFIG_HOME": home, "XDG_CACHE_HOME": home}
-        self.process = f.start("chromedriver", [shutil.which("chromedriver"), "--port=0"], env)
-        port = farm.wait_for("chromedriver to start", lambda: re.search(r"started successfully on port (\d+)",
-                                                                       self.process.log()), 30, f.check)[1]
+        self.driver = f.start("chromedriver", [shutil.which("chromedriver"), "--port=0"], env)
+        port = f.wait_for("chromedriver to start",
+                          lambda: re.search(r"started successfully on port (\d+)", self.driver.log()))[1]
         self.session = f"http://127.0.0.1:{port}"
         options = {"binary": shutil.which("chromium"),
                    "args": FLAGS + [f"--user-data-dir={os.path.join(home, 'profile')}"]}
@@ -98,3 +98,4 @@ class Browser:
 
     def close(self):
         self._call("DELETE", "")
+        self.driver.kill()  # it knows no other end

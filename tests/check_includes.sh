@@ -63,7 +63,7 @@ check_libraries() {
     library OpenEXR '(openexr|OpenEXR/)' '(server/image_exr|client/exr_[a-z]+)\.c'
     library libpng 'png\.h' '(server/image_png|client/png_[a-z]+)\.c'
     library jansson 'jansson' \
-        '(common/(scene_json|http_problem)|server/(api|body|feed|grant|problem|report|view)[a-z_]*|worker/link|client/[a-z_]+)\.c'
+        '(common/(scene_json|http_problem)|server/(api|body|feed|grant|problem|status)[a-z_]*|worker/link|client/[a-z_]+)\.c'
     forbid 'no header may include an outside library' '[^:]*\.h' \
         '# *include *<(microhttpd|curl/|sqlite3|zlib|openssl/|openexr|OpenEXR/|png\.h|jansson)'
 }

@@ -6,7 +6,7 @@ import subprocess
 
 import farm
 
-OPENS, AT_ONCE = 1000, 25
+OPENS, AT_ONCE, IMAGES = 1000, 25, 8
 
 
 def test(f, t):
@@ -15,14 +15,19 @@ def test(f, t):
     job = f.submit(farm.scene("cornell-box.json", 200, 150, spp=1 << 20))
     path = os.path.join(f.state, "jobs", job, "image.exr")
     f.wait_for("a first image", lambda: os.path.exists(path))
-    bad, images = 0, set()
-    for _ in range(OPENS // AT_ONCE):
-        # The OpenEXR library opens the file, decodes every pixel; the CLI hashes them.
+    bad, opens, images = 0, 0, set()
+
+    def look():
+        # The OpenEXR library opens the file and decodes every pixel; the CLI hashes them.
+        nonlocal bad, opens
         result = f.run("digest", *[path] * AT_ONCE)
+        opens += AT_ONCE
         bad += result.returncode != 0
-        images |= {line.split()[0] for line in result.stdout.splitlines()}
-    t.equal(bad, 0, f"{OPENS} opens while the file is being replaced")
-    t.ok(len(images) > 3, f"{len(images)} different images were seen")
+        images.update(line.split()[0] for line in result.stdout.splitlines())
+        return opens >= OPENS and len(images) >= IMAGES
+
+    f.wait_for("enough opens and images", look, 120)
+    t.equal(bad, 0, f"{opens} opens while {len(images)} images replaced each other")
     t.equal(f.job(job)["state"], "running", "the job was running all the time")
     for tool in (["exrheader"], ["oiiotool", "--stats"]):
         if not shutil.which(tool[0]):

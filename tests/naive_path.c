@@ -94,8 +94,8 @@ static bool scatter(const struct material *m, bool front, struct dir wo, struct 
             weight[k] = (double)m->mirror.reflectance[k];
         return true;
     case MATERIAL_DIELECTRIC:
-        *wi = dielectric(front ? (double)m->dielectric.ior : 1 / (double)m->dielectric.ior, wo, dice,
-                         &scale);
+        *wi = dielectric(front ? (double)m->dielectric.ior : 1 / (double)m->dielectric.ior, wo,
+                         dice, &scale);
         weight[0] = weight[1] = weight[2] = scale;
         return true;
     case MATERIAL_CONDUCTOR:

@@ -16,8 +16,8 @@ void scenes_init(struct scenes *s, uint32_t width_px, uint32_t height_px)
     *s = (struct scenes){0};
     struct scene *scene = &s->scene;
     scene->title = "";
-    scene->film = (struct scene_film){width_px, height_px,  0,          0,
-                                      width_px, height_px, FILTER_BOX, 0.5f};
+    scene->film =
+        (struct scene_film){width_px, height_px, 0, 0, width_px, height_px, FILTER_BOX, 0.5f};
     scene->settings = (struct scene_settings){.max_bounces = 64, .seed = 1, .target = {.spp = 64}};
     scene->materials = arena_new(&s->arena, struct material, SCENES_MAX);
     scene->shapes = arena_new(&s->arena, struct shape, SCENES_MAX_SHAPES);
@@ -99,7 +99,8 @@ struct shape *scenes_sphere(struct scenes *s, uint32_t material, vec3 center, fl
     return shape;
 }
 
-struct shape *scenes_disc(struct scenes *s, uint32_t material, vec3 center, vec3 normal, float radius)
+struct shape *scenes_disc(struct scenes *s, uint32_t material, vec3 center, vec3 normal,
+                          float radius)
 {
     struct shape *shape = add_shape(s, SHAPE_DISC, material);
     vec3_store(shape->disc.center, center);
@@ -126,7 +127,8 @@ struct shape *scenes_box(struct scenes *s, uint32_t material, vec3 lo, vec3 hi, 
                              {lo + z, x, y}, {lo + x, y, z}, {lo + y, z, x}};
     struct shape *first = NULL;
     for (int i = 0; i < 6; i++) {
-        struct shape *q = scenes_quad(s, material, side[i][0], side[i][1 + inside], side[i][2 - inside]);
+        struct shape *q =
+            scenes_quad(s, material, side[i][0], side[i][1 + inside], side[i][2 - inside]);
         first = first ? first : q;
     }
     return first;
@@ -140,8 +142,11 @@ static struct mesh *add_mesh(struct scenes *s, uint32_t vertices, uint32_t trian
     struct mesh *m = &s->scene.meshes[s->scene.mesh_count++];
     *v = arena_new(&s->arena, float, 3 * (size_t)vertices);
     *i = arena_new(&s->arena, uint32_t, 3 * (size_t)triangles);
-    *m = (struct mesh){.format = MESH_INLINE, .vertices = *v, .indices = *i,
-                       .vertex_count = vertices, .triangle_count = triangles};
+    *m = (struct mesh){.format = MESH_INLINE,
+                       .vertices = *v,
+                       .indices = *i,
+                       .vertex_count = vertices,
+                       .triangle_count = triangles};
     return m;
 }
 
@@ -162,8 +167,8 @@ struct shape *scenes_triangle(struct scenes *s, uint32_t material, vec3 a, vec3 
 
 /* Rows of latitude 0..n, columns of longitude 0..2n - 1; the poles' quadrangles are degenerate on
  * one side, which prep drops. */
-struct shape *scenes_ball(struct scenes *s, uint32_t material, vec3 center, float radius, uint32_t n,
-                          float wave, bool inside)
+struct shape *scenes_ball(struct scenes *s, uint32_t material, vec3 center, float radius,
+                          uint32_t n, float wave, bool inside)
 {
     const uint32_t columns = 2 * n;
     float *v;
@@ -175,8 +180,8 @@ struct shape *scenes_ball(struct scenes *s, uint32_t material, vec3 center, floa
             const double t = pi * row / n, p = 2 * pi * column / columns;
             const double st = pole ? 0 : sin(t);
             const double r = (double)radius * (1 + (double)wave * st * sin(5 * p) * sin(6 * t));
-            const vec3 d = vec3_make((float)(r * st * sin(p)), (float)(r * cos(t)),
-                                     (float)(r * st * cos(p)));
+            const vec3 d =
+                vec3_make((float)(r * st * sin(p)), (float)(r * cos(t)), (float)(r * st * cos(p)));
             vec3_store(v, center + d);
         }
     for (uint32_t row = 0; row < n; row++)

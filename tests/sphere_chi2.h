@@ -1,8 +1,8 @@
 /* sphere_chi2.h - does a sampler of directions follow its pdf?
  *
- * 51 x 102 cells in (cos theta, phi), the odd number so that the equator lies inside cells. Expected
- * counts by adaptive quadrature of the pdf in each cell. Both sides of the mass are judged: what
- * the pdf says in all, and what the sampler turned away.
+ * 51 x 102 cells in (cos theta, phi), the odd number so that the equator lies inside cells.
+ * Expected counts by adaptive quadrature of the pdf in each cell. Both sides of the mass are
+ * judged: what the pdf says in all, and what the sampler turned away.
  * SPDX-License-Identifier: MIT */
 #ifndef TESTS_SPHERE_CHI2_H
 #define TESTS_SPHERE_CHI2_H
@@ -15,7 +15,7 @@ struct sphere_chi2 {
     bool (*sample)(const void *what, struct square, vec3 *w, float *pdf_w);
     float (*pdf_w)(const void *what, vec3 w);
     const void *what;
-    int min_depth; /* cells are halved at least so often: 0 for a smooth pdf, more for one with edges */
+    int min_depth; /* cells are halved at least so often: more than 0 if the pdf has edges */
 };
 
 struct sphere_chi2_result {
@@ -25,6 +25,7 @@ struct sphere_chi2_result {
     double pdf_off;  /* largest relative difference of pdf_w sampled and asked */
 };
 
-struct sphere_chi2_result sphere_chi2_run(const struct sphere_chi2 *, uint32_t samples, uint64_t seed);
+struct sphere_chi2_result sphere_chi2_run(const struct sphere_chi2 *, uint32_t samples,
+                                          uint64_t seed);
 
 #endif

@@ -1,7 +1,8 @@
 /* stat.h - the statistics that tests decide by.
  *
  * Seeds are fixed, so a test that passes passes for ever; the levels say how probable it was that a
- * right program fails with some seed. Tests of one suite share a level of 0.01 by Sidak's correction.
+ * right program fails with some seed. Tests of one suite share a level of 0.01 by Sidak's
+ * correction.
  * SPDX-License-Identifier: MIT */
 #ifndef TESTS_STAT_H
 #define TESTS_STAT_H
@@ -16,7 +17,7 @@ enum { STAT_SLOW = 32 };
 enum { STAT_SLOW = 1 };
 #endif
 
-struct stat_mean { /* zero-initialised: no values yet */
+struct stat_mean {          /* zero-initialised: no values yet */
     double n, mean, square; /* square: sum of squared differences from the mean */
 };
 

@@ -80,7 +80,8 @@ static void samples_follow_pdf(struct material m, const char *name)
         pdf_off = fmax(pdf_off, r.pdf_off);
     }
     const double tests = 5 * countof(cosines);
-    ok(p > stat_sidak(0.01, tests), "%s: samples follow the pdf from 8 directions (p %.4f)", name, p);
+    ok(p > stat_sidak(0.01, tests), "%s: samples follow the pdf from 8 directions (p %.4f)", name,
+       p);
     ok(mass < 1, "%s: pdf and rejections add up to 1 (%.2f of what is allowed)", name, mass);
     ok(pdf_off < 1e-4, "%s: pdf sampled is pdf asked (%.1e)", name, pdf_off);
 }
@@ -156,7 +157,8 @@ static void fresnel_values(void)
     float t;
     const double f45 = 0.5 * (.0920133630 * .0920133630 + .3033370453 * .3033370453);
     const double f10 = 0.5 * (.1904679720 * .1904679720 + .2094943196 * .2094943196);
-    near((double)fresnel_dielectric((float)cos(pi / 4), 1.5f, &t), f45, 1e-7, "glass at 45 degrees");
+    near((double)fresnel_dielectric((float)cos(pi / 4), 1.5f, &t), f45, 1e-7,
+         "glass at 45 degrees");
     near((double)fresnel_dielectric((float)cos(pi / 18), 1 / 1.5f, &t), f10, 1e-7,
          "out of glass at 10 degrees");
     near((double)fresnel_dielectric(1, 1.5f, &t), 0.04, 1e-8, "glass from above");
@@ -174,7 +176,8 @@ static void fresnel_values(void)
     near(in, .596345760, 1e-5, "and inside 1 - (1 - F) / n^2");
 
     near((double)fresnel_conductor_channel(1, .2f, 3.9f), .951951952, 1e-6, "metal at 0 degrees");
-    near((double)fresnel_conductor_channel(.5f, .2f, 3.9f), .945882382, 1e-6, "metal at 60 degrees");
+    near((double)fresnel_conductor_channel(.5f, .2f, 3.9f), .945882382, 1e-6,
+         "metal at 60 degrees");
     near((double)fresnel_conductor_channel((float)cos(89 * pi / 180), .2f, 3.9f), .992486811, 1e-6,
          "metal at 89 degrees");
     double off = 0;
@@ -249,9 +252,15 @@ static bool sample_is_finite(const struct material *m, vec3 wo, float lobe, stru
 
 static void corners_are_finite(void)
 {
-    const struct material some[] = {diffuse(1), glass(1), glass(1.5f), glass(4), silver(1),
-                                    metal(1, 0, .3f), metal(.2f, 3.9f, BSDF_LEAST_ALPHA),
-                                    metal(.2f, 3.9f, .05f), metal(.2f, 3.9f, 0)};
+    const struct material some[] = {diffuse(1),
+                                    glass(1),
+                                    glass(1.5f),
+                                    glass(4),
+                                    silver(1),
+                                    metal(1, 0, .3f),
+                                    metal(.2f, 3.9f, BSDF_LEAST_ALPHA),
+                                    metal(.2f, 3.9f, .05f),
+                                    metal(.2f, 3.9f, 0)};
     static const double z[] = {1, 0.999999, 0.5, 1e-3, 1e-6, 1e-12, 1e-25, -1e-6, -0.3, -1, 0};
     int bad = 0;
     for (size_t m = 0; m < countof(some); m++)

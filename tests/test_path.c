@@ -26,11 +26,13 @@ static void mixed(struct scenes *s, uint32_t side_px, bool glass)
     scenes_box(s, white, vec3_make(-1.5f, 0, -1.5f), vec3_make(1.5f, 2, 4), true);
     s->scene.shapes[0].material = scenes_diffuse(s, vec3_make(.6f, .1f, .1f));
     s->scene.shapes[4].material = scenes_mirror(s, vec3_make(.5f, .8f, .6f));
-    const uint32_t metal = scenes_metal(s, vec3_make(.2f, .9f, 1.1f), vec3_make(3.9f, 2.4f, 2.2f), .15f);
+    const uint32_t metal =
+        scenes_metal(s, vec3_make(.2f, .9f, 1.1f), vec3_make(3.9f, 2.4f, 2.2f), .15f);
     scenes_sphere(s, metal, vec3_make(-.7f, .5f, -.5f), .5f);
     scenes_sphere(s, glass ? scenes_glass(s, 1.5f) : white, vec3_make(.6f, .45f, .3f), .45f);
     scenes_quad(s, scenes_diffuse(s, rgb_gray(.1f)), vec3_make(-1.2f, 1.95f, -1.2f),
-                vec3_make(2.4f, 0, 0), vec3_make(0, 0, 2.4f))->emission = vec3_make(2, 2, 1.5f);
+                vec3_make(2.4f, 0, 0), vec3_make(0, 0, 2.4f))
+        ->emission = vec3_make(2, 2, 1.5f);
     scenes_sphere(s, white, vec3_make(1, 1.2f, -.9f), .25f)->emission = vec3_make(1, 2, 6);
 }
 
@@ -46,7 +48,7 @@ static void agrees_with_naive(void)
     scenes_render(stage, 4096 / STAT_SLOW, &film);
     struct dice dice = dice_make(77);
     struct stat_mean pixel[16][3] = {0}, image[3] = {0};
-    const uint32_t n = 48000 / STAT_SLOW;
+    const uint32_t n = 32000 / STAT_SLOW;
     for (uint32_t i = 0; i < n; i++) {
         double all[3] = {0, 0, 0};
         for (uint32_t p = 0; p < 16; p++) {
@@ -78,7 +80,7 @@ static void agrees_with_naive(void)
         const struct scenes_mean m = scenes_mean(&film, c);
         const double error = hypot(m.error, stat_error(&image[c]));
         const double off = fabs(m.mean - image[c].mean);
-        ok(off < 3.9 * error && error < (STAT_SLOW == 1 ? 0.003 : 0.03) * m.mean,
+        ok(off < 3.9 * error && error < (STAT_SLOW == 1 ? 0.004 : 0.04) * m.mean,
            "channel %d agrees with the naive path tracer: %.5f, %.5f +- %.5f", c, m.mean,
            image[c].mean, error);
     }
@@ -89,20 +91,20 @@ static void agrees_with_naive(void)
 static void roulette_changes_nothing(void)
 {
     enum { SIDE = 24 };
-    const uint32_t spp = 640 / STAT_SLOW;
+    const uint32_t spp = 256 / STAT_SLOW;
     struct scenes s;
     mixed(&s, SIDE, false);
     const struct stage *stage = scenes_stage(&s);
-    /* The frame is the same, so its own variation does not count: pixels are compared in pairs. */
+    /* With the same random numbers paths differ by what roulette does and nothing else. */
     struct stat_mean early = {0}, usual = {0}, none = {0};
     for (uint32_t i = 0; i < SIDE * SIDE; i++) {
         double mean[3] = {0, 0, 0};
         static const uint32_t begin[3] = {UINT32_MAX, PATH_ROULETTE_BEGIN, 0};
         for (int k = 0; k < 3; k++)
             for (uint32_t j = 0; j < spp; j++) {
-                const struct rng rng = rng_make((uint64_t)k, i % SIDE, i / SIDE, j);
-                const struct ray ray = camera_ray(&stage->camera, (float)(i % SIDE) + .5f,
-                                                  (float)(i / SIDE) + .5f);
+                const struct rng rng = rng_make(5, i % SIDE, i / SIDE, j);
+                const struct ray ray =
+                    camera_ray(&stage->camera, (float)(i % SIDE) + .5f, (float)(i / SIDE) + .5f);
                 mean[k] += (double)rgb_luminance(path_radiance(stage, ray, &rng, begin[k])) / spp;
             }
         stat_add(&none, mean[0]);
@@ -143,7 +145,8 @@ static void pixels_do_not_depend_on_company(void)
     render_tile(stage, &alone);
     ok(same_sums(&whole, &again), "rows in any order give the same bits");
     ok(memcmp(alone.sums, whole.sums + (7 * 12 + 5) * FILM_CHANNELS,
-              FILM_CHANNELS * sizeof *alone.sums) == 0, "a pixel alone has the bits it has in a tile");
+              FILM_CHANNELS * sizeof *alone.sums) == 0,
+       "a pixel alone has the bits it has in a tile");
 
     double by_hand[FILM_CHANNELS] = {0}, split[FILM_CHANNELS] = {0}, off = 0, most = 0;
     for (uint32_t i = pass.s_begin; i < pass.s_end; i++) {
@@ -225,7 +228,8 @@ static void sums_stay_exact(void)
     for (int i = 0; i < 2; i++) {
         double mean[3];
         film_mean(&film[i], 0, mean);
-        near(mean[1], 0.5, 1e-6, "F-19 mean of 1e8 samples: %s", i ? "uniform on [0, 1)" : "constant");
+        near(mean[1], 0.5, 1e-6, "F-19 mean of 1e8 samples: %s",
+             i ? "uniform on [0, 1)" : "constant");
         film_release(&film[i]);
     }
     arena_release(&arena);
@@ -252,8 +256,8 @@ static void error_bars_cover(void)
         estimate_pixel(&film, i, error);
         covered += fabs(mean[0] - 2) <= 2.365 * error[0];
     }
-    near(covered / (double)pixels, 0.95, 0.025, "95 %% intervals cover the truth in %.1f %% of pixels",
-         100 * covered / (double)pixels);
+    near(covered / (double)pixels, 0.95, 0.025,
+         "95 %% intervals cover the truth in %.1f %% of pixels", 100 * covered / (double)pixels);
     film_release(&film);
     scenes_release(&s);
 }

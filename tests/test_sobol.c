@@ -55,6 +55,20 @@ static void singles_are_stratified(void)
     ok(once, "256 single numbers of a replicate fall into 256 equal parts");
 }
 
+static void purposes_have_own_dimensions(void)
+{
+    enum { BOUNCES = 1000, DIMENSIONS = 1 + BOUNCES * RNG_PURPOSES };
+    static unsigned char seen[DIMENSIONS];
+    bool own = true;
+    seen[RNG_FILTER] = 1;
+    for (uint32_t b = 0; b < BOUNCES; b++)
+        for (int p = 0; p < RNG_PURPOSES; p++) {
+            const uint32_t d = rng_dimension(b, (enum rng_purpose)p);
+            own &= d < DIMENSIONS && seen[d]++ == 0;
+        }
+    ok(own, "each purpose of each bounce has a dimension of its own");
+}
+
 /* p value of 16 x 16 cells for pairs (x, y). */
 struct grid {
     uint32_t seen[256];
@@ -97,8 +111,10 @@ static void hashes_are_independent(void)
                 least = fmin(least, grid_p(&g));
                 tests++;
             }
-    ok(least > stat_sidak(0.01, tests), "coordinates of dimensions 0 to 7 are pairwise independent"
-       " over pixels: p %g", least);
+    ok(least > stat_sidak(0.01, tests),
+       "coordinates of dimensions 0 to 7 are pairwise independent"
+       " over pixels: p %g",
+       least);
     least = 1;
     for (uint32_t s = 1; s < 24; s++) {
         struct grid g = {{0}, 0}, h = {{0}, 0};
@@ -126,10 +142,12 @@ static void deep_dimensions_are_independent(void)
                 grid_add(&g, of_pixel(p, 0, d, false), of_pixel(p, 0, d + lag, false));
         least = fmin(least, grid_p(&g));
     }
-    ok(least > stat_sidak(0.01, 10), "dimensions 0 to 300 of a sample are independent: p %g", least);
+    ok(least > stat_sidak(0.01, 10), "dimensions 0 to 300 of a sample are independent: p %g",
+       least);
 }
 
-/* The mean of a smooth function: the error of Owen-scrambled nets falls far faster than 1/sqrt(n). */
+/* The mean of a smooth function: the error of Owen-scrambled nets falls far faster than 1/sqrt(n).
+ */
 static void smooth_integrals_converge(void)
 {
     double square[2] = {0, 0};
@@ -167,6 +185,7 @@ int main(void)
 {
     pairs_are_nets();
     singles_are_stratified();
+    purposes_have_own_dimensions();
     hashes_are_independent();
     deep_dimensions_are_independent();
     smooth_integrals_converge();

@@ -85,7 +85,8 @@ static void plane_maps_follow(void)
         const double rr = (double)(d[0] * d[0] + d[1] * d[1]);
         const double turn = atan2((double)d[1], (double)d[0]) / 6.283185307179587;
         inside &= rr <= 1.000001;
-        disc[(int)(fmin(rr, 0.999999) * SIDE) * SIDE + (int)((turn + (turn < 0)) * 0.999999 * SIDE)]++;
+        disc[(int)(fmin(rr, 0.999999) * SIDE) * SIDE +
+             (int)((turn + (turn < 0)) * 0.999999 * SIDE)]++;
         /* Uniform weights (b1, b2) of a triangle: 1 - b0 has the square root's distribution. */
         const struct square b = warp_triangle(q);
         inside &= b.u >= 0 && b.v >= 0 && b.u + b.v <= 1;
@@ -153,10 +154,12 @@ static void filters_follow(void)
         inside &= x >= -1 && x <= 1;
         seen[(int)fmin(((double)x + 1) / 2 * BINS, BINS - 1)]++;
     }
-    ok(inside && stat_chi2_test(due, seen, BINS) > stat_sidak(0.01, 6), "tent filter follows the tent");
+    ok(inside && stat_chi2_test(due, seen, BINS) > stat_sidak(0.01, 6),
+       "tent filter follows the tent");
     film = (struct scene_film){.filter = FILTER_BOX, .filter_radius_px = 0.5f};
     ok(camera_filter(&film, 0) == -0.5f && camera_filter(&film, 0.5f) == 0 &&
-       camera_filter(&film, 0.75f) == 0.25f, "box filter is uniform");
+           camera_filter(&film, 0.75f) == 0.25f,
+       "box filter is uniform");
 }
 
 int main(void)

@@ -166,7 +166,7 @@ function showFarm(root, workers) {
             `${w.delivered}\u00a0delivered`, `${duration(w.cpu_seconds)}\u00a0CPU`];
         if (w.state === "lost")
             facts.push(`last seen ${duration(w.seen_ms_ago / 1000)} ago`);
-        say(field(node, "facts"), facts.join(" · "));
+        say(field(node, "facts"), facts.join("\u00a0· "));
     });
 }
 
@@ -185,7 +185,7 @@ function listFacts(job) {
         facts.push(`error\u00a0${percent(job.error)}`);
     if (job.state === "running" && job.eta_seconds !== null)
         facts.push(`${duration(job.eta_seconds)}\u00a0left`);
-    return facts.join(" · ");
+    return facts.join("\u00a0· ");
 }
 
 function showListItem(node, job) {
@@ -420,7 +420,11 @@ async function turn(mine) {
             away = false;
             notice("");
             showRefusal(problem.status === 404 ? mine.gone : problem.message);
-            return; // asking again would not help
+            mine.show = () => { // it is there after all, when somebody looks again
+                route();
+                return 1000;
+            };
+            return; // until then, asking would not help
         } else {
             reportError(problem); // a mistake of ours
         }

@@ -40,7 +40,7 @@ static bool mirror_sample(rgb reflectance, vec3 wo, struct bsdf_sample *s)
     return true;
 }
 
-/* --- smooth dielectric: reflection with the probability of what it reflects, else refraction --- */
+/* --- smooth dielectric: reflection with the chance of what it reflects, else refraction --- */
 
 static bool dielectric_sample(const struct material *m, vec3 wo, float lobe, struct bsdf_sample *s)
 {

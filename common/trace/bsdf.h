@@ -22,11 +22,11 @@
 
 struct bsdf_sample {
     vec3 wi;
-    rgb weight;      /* f |wi.z| / pdf */
-    float pdf_w;     /* what bsdf_pdf_w says; 0: a delta direction */
-    float scale;     /* the part of weight that is only the change of radiance on entering another
-                      * index of refraction: (near / far)^2; 1 for reflection. It is undone when
-                      * the path leaves again, so roulette divides it out */
+    rgb weight;  /* f |wi.z| / pdf */
+    float pdf_w; /* what bsdf_pdf_w says; 0: a delta direction */
+    float scale; /* the part of weight that is only the change of radiance on entering another
+                  * index of refraction: (near / far)^2; 1 for reflection. It is undone when
+                  * the path leaves again, so roulette divides it out */
 };
 
 bool bsdf_is_delta(const struct material *);

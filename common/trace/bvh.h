@@ -41,4 +41,8 @@ struct bvh_tree bvh_build(const struct bvh_box *boxes, const unsigned char *kind
 bool bvh_hit_closest(const struct stage *, const struct ray *, struct ray_hit *);
 bool bvh_hit_any(const struct stage *, const struct ray *);
 
+/* The hit of one primitive alone. bvh_hit_closest is the minimum of these over all primitives, by t
+ * and then by number, to the last bit. */
+bool bvh_hit_prim(const struct stage *, uint32_t prim, const struct ray *, struct ray_hit *);
+
 #endif

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "common/trace/bvh.h"
 
+#include <float.h>
+
 #include "common/trace/box.h"
 #include "common/trace/sphere.h"
 #include "common/trace/tri.h"
@@ -15,6 +17,7 @@ struct query {
     struct box_ray box;
     struct tri_ray tri;
     const struct ray *ray;
+    float t_max; /* the ray's, finite */
 };
 
 static bool is_finite(vec3 v)
@@ -39,6 +42,7 @@ static bool query_make(const struct stage *s, const struct ray *ray, struct quer
         .box = box_ray_make(ray),
         .tri = tri_ray_make(ray),
         .ray = ray,
+        .t_max = ray->t_max < FLT_MAX ? ray->t_max : FLT_MAX,
     };
     return true;
 }
@@ -50,36 +54,81 @@ static void keep_nearer(struct ray_hit *best, struct ray_hit found)
         *best = found;
 }
 
+/* The smallest box of a primitive: inside the box of its leaf and so of every node above. */
+static struct bvh_box bounds_of(const struct query *q, enum stage_prim_kind kind, uint32_t index)
+{
+    struct bvh_box box;
+    switch (kind) {
+    case STAGE_TRIANGLE:
+        tri_bounds(q->triangles[index].v, box.lo, box.hi);
+        return box;
+    case STAGE_SPHERE:
+        sphere_bounds(q->spheres[index].center, q->spheres[index].radius, box.lo, box.hi);
+        return box;
+    case STAGE_DISC:
+        sphere_bounds(q->discs[index].center, q->discs[index].radius, box.lo, box.hi);
+        return box;
+    }
+    __builtin_unreachable();
+}
+
+/* A hit lies between where the ray enters the primitive's own box and where it leaves. Rounding
+ * could place it before, and then a tree that skips boxes behind the best hit would find one or
+ * the other of two near hits as its shape has it; a grazing ray's, far beside the primitive. tri is
+ * q->tri, with a t_max of its own. */
+static inline bool prim_hit(const struct query *q, struct tri_ray *tri, enum stage_prim_kind kind,
+                            uint32_t prim, float t_max, struct ray_hit *hit)
+{
+    const uint32_t index = q->prims[prim].index;
+    *hit = (struct ray_hit){0, prim, 0, 0};
+    bool found = false;
+    switch (kind) {
+    case STAGE_TRIANGLE: {
+        struct tri_found f;
+        tri->t_max = t_max;
+        found = tri_hit(tri, q->triangles[index].v, &f);
+        if (found)
+            *hit = (struct ray_hit){f.t, prim, f.u, f.v};
+        break;
+    }
+    case STAGE_SPHERE:
+        found = sphere_hit(q->ray, &q->spheres[index], t_max, &hit->t);
+        break;
+    case STAGE_DISC:
+        found = sphere_disc_hit(q->ray, &q->discs[index], t_max, &hit->t);
+        break;
+    }
+    if (!found)
+        return false;
+    const struct bvh_box box = bounds_of(q, kind, index);
+    float t[2];
+    if (!box_hit(&q->box, box.lo, box.hi, t_max, t))
+        return false;
+    hit->t = hit->t < t[0] ? t[0] : hit->t > t[1] ? t[1] : hit->t;
+    return true;
+}
+
+bool bvh_hit_prim(const struct stage *s, uint32_t prim, const struct ray *ray, struct ray_hit *hit)
+{
+    struct query q;
+    if (!query_make(s, ray, &q))
+        return false;
+    struct tri_ray tri = q.tri;
+    return prim_hit(&q, &tri, (enum stage_prim_kind)q.prims[prim].kind, prim, q.t_max, hit) &&
+           hit->t < q.t_max;
+}
+
 static void leaf_closest(const struct query *q, struct tri_ray *tri, const struct bvh_node *leaf,
                          struct ray_hit *best)
 {
     const uint32_t *prims = q->leaf_prims + leaf->first;
+    const enum stage_prim_kind kind = (enum stage_prim_kind)leaf->kind;
     const uint32_t count = leaf->count;
-    switch ((enum stage_prim_kind)leaf->kind) {
-    case STAGE_TRIANGLE:
-        for (uint32_t i = 0; i < count; i++) {
-            struct tri_found f;
-            tri->t_max = best->t;
-            if (tri_hit(tri, q->triangles[q->prims[prims[i]].index].v, &f))
-                keep_nearer(best, (struct ray_hit){f.t, prims[i], f.u, f.v});
-        }
-        return;
-    case STAGE_SPHERE:
-        for (uint32_t i = 0; i < count; i++) {
-            float t;
-            if (sphere_hit(q->ray, &q->spheres[q->prims[prims[i]].index], best->t, &t))
-                keep_nearer(best, (struct ray_hit){t, prims[i], 0, 0});
-        }
-        return;
-    case STAGE_DISC:
-        for (uint32_t i = 0; i < count; i++) {
-            float t;
-            if (sphere_disc_hit(q->ray, &q->discs[q->prims[prims[i]].index], best->t, &t))
-                keep_nearer(best, (struct ray_hit){t, prims[i], 0, 0});
-        }
-        return;
+    for (uint32_t i = 0; i < count; i++) {
+        struct ray_hit found;
+        if (prim_hit(q, tri, kind, prims[i], best->t, &found))
+            keep_nearer(best, found);
     }
-    __builtin_unreachable();
 }
 
 bool bvh_hit_closest(const struct stage *s, const struct ray *ray, struct ray_hit *hit)
@@ -94,9 +143,9 @@ bool bvh_hit_closest(const struct stage *s, const struct ray *ray, struct ray_hi
     } stack[BVH_MAX_DEPTH];
     int depth = 0;
     struct tri_ray tri = q.tri;
-    struct ray_hit best = {ray->t_max, STAGE_NONE, 0, 0};
-    float t;
-    if (!box_hit(&q.box, q.nodes[0].lo, q.nodes[0].hi, best.t, &t))
+    struct ray_hit best = {q.t_max, STAGE_NONE, 0, 0};
+    float t[2], t1[2];
+    if (!box_hit(&q.box, q.nodes[0].lo, q.nodes[0].hi, best.t, t))
         return false;
     uint32_t at = 0;
     for (;;) {
@@ -105,13 +154,12 @@ bool bvh_hit_closest(const struct stage *s, const struct ray *ray, struct ray_hi
             leaf_closest(&q, &tri, node, &best);
         } else {
             const struct bvh_node *child = &q.nodes[node->first];
-            float t0, t1;
-            const bool hit0 = box_hit(&q.box, child[0].lo, child[0].hi, best.t, &t0);
-            const bool hit1 = box_hit(&q.box, child[1].lo, child[1].hi, best.t, &t1);
-            const uint32_t near = node->first + (hit1 && (!hit0 || t1 < t0));
+            const bool hit0 = box_hit(&q.box, child[0].lo, child[0].hi, best.t, t);
+            const bool hit1 = box_hit(&q.box, child[1].lo, child[1].hi, best.t, t1);
+            const uint32_t near = node->first + (hit1 && (!hit0 || t1[0] < t[0]));
             if (hit0 && hit1) {
                 stack[depth].node = 2 * node->first + 1 - near;
-                stack[depth++].t = t0 < t1 ? t1 : t0;
+                stack[depth++].t = t[0] < t1[0] ? t1[0] : t[0];
             }
             if (hit0 || hit1) {
                 at = near;
@@ -122,7 +170,7 @@ bool bvh_hit_closest(const struct stage *s, const struct ray *ray, struct ray_hi
         do {
             if (!depth) {
                 *hit = best;
-                return best.prim != STAGE_NONE && best.t < ray->t_max;
+                return best.prim != STAGE_NONE && best.t < q.t_max;
             }
             depth--;
         } while (!(stack[depth].t <= best.t));
@@ -130,31 +178,18 @@ bool bvh_hit_closest(const struct stage *s, const struct ray *ray, struct ray_hi
     }
 }
 
-static bool leaf_any(const struct query *q, const struct bvh_node *leaf)
+static bool leaf_any(const struct query *q, struct tri_ray *tri, const struct bvh_node *leaf)
 {
     const uint32_t *prims = q->leaf_prims + leaf->first;
+    const enum stage_prim_kind kind = (enum stage_prim_kind)leaf->kind;
     const uint32_t count = leaf->count;
-    const float t_max = q->ray->t_max;
-    bool hit = false;
-    float t = t_max;
-    switch ((enum stage_prim_kind)leaf->kind) {
-    case STAGE_TRIANGLE:
-        for (uint32_t i = 0; i < count && !hit; i++) {
-            struct tri_found f;
-            hit = tri_hit(&q->tri, q->triangles[q->prims[prims[i]].index].v, &f) && f.t < t_max;
-        }
-        return hit;
-    case STAGE_SPHERE:
-        for (uint32_t i = 0; i < count && !hit; i++)
-            hit = sphere_hit(q->ray, &q->spheres[q->prims[prims[i]].index], t_max, &t) && t < t_max;
-        return hit;
-    case STAGE_DISC:
-        for (uint32_t i = 0; i < count && !hit; i++)
-            hit = sphere_disc_hit(q->ray, &q->discs[q->prims[prims[i]].index], t_max, &t) &&
-                  t < t_max;
-        return hit;
+    const float t_max = q->t_max;
+    for (uint32_t i = 0; i < count; i++) {
+        struct ray_hit found;
+        if (prim_hit(q, tri, kind, prims[i], t_max, &found) && found.t < t_max)
+            return true;
     }
-    __builtin_unreachable();
+    return false;
 }
 
 bool bvh_hit_any(const struct stage *s, const struct ray *ray)
@@ -164,16 +199,17 @@ bool bvh_hit_any(const struct stage *s, const struct ray *ray)
         return false;
     uint32_t stack[BVH_MAX_DEPTH + 1];
     int depth = 0;
+    struct tri_ray tri = q.tri;
     stack[depth++] = 0;
     while (depth) {
         const struct bvh_node *node = &q.nodes[stack[--depth]];
-        float t;
-        if (!box_hit(&q.box, node->lo, node->hi, ray->t_max, &t))
+        float t[2];
+        if (!box_hit(&q.box, node->lo, node->hi, q.t_max, t))
             continue;
         if (!node->count) {
             stack[depth++] = node->first + 1;
             stack[depth++] = node->first;
-        } else if (leaf_any(&q, node)) {
+        } else if (leaf_any(&q, &tri, node)) {
             return true;
         }
     }

@@ -16,7 +16,6 @@ float camera_filter(const struct scene_film *film, float u)
 
 struct ray camera_ray(const struct stage_camera *c, float x_px, float y_px)
 {
-    const vec3 dir_raw =
-        vec3_load(c->corner) + x_px * vec3_load(c->dx) + y_px * vec3_load(c->dy);
+    const vec3 dir_raw = vec3_load(c->corner) + x_px * vec3_load(c->dx) + y_px * vec3_load(c->dy);
     return (struct ray){vec3_load(c->origin), vec3_unit(dir_raw), __builtin_inff()};
 }

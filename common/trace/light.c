@@ -8,9 +8,9 @@ static const struct emitter *emitter_at(const struct stage *s, uint32_t emitter)
     return (const struct emitter *)stage_at(s, s->emitters) + emitter;
 }
 
-/* What the cumulative table says and not emitter.pick: a table of floats rounds, and the weights must
- * belong to what is really done. An emitter too weak for the table has probability 0 and
- * is left to the BSDF's sampling, whose MIS weight is then 1: nothing is lost. */
+/* What the cumulative table says and not emitter.pick: a table of floats rounds, and the weights
+ * must belong to what is really done. An emitter too weak for the table has probability 0 and is
+ * left to the BSDF's sampling, whose MIS weight is then 1: nothing is lost. */
 static double pick_probability(const struct stage *s, uint32_t emitter)
 {
     const float *cdf = stage_at(s, s->pick_cdf);
@@ -79,9 +79,10 @@ static float sphere_pdf_w(const struct stage_sphere *sphere, vec3 to_center)
     return cap > 0 ? warp_cap_pdf_w(cap) : 0;
 }
 
-/* Where a direction of the cone, theta off its axis, first meets the sphere: at the angle alpha from
- * the axis as seen from the centre. With rho = sin(theta) / sin(theta_max) and distance in radii
- * 1 / sin(theta_max):
+/* Where a direction of the cone, theta off its axis, first meets the sphere: at the angle alpha
+ * from the axis as seen from the centre. With rho = sin(theta) / sin(theta_max) and a distance of
+ * 1 / sin(theta_max) radii:
+ *
  *     sin alpha = rho (cos theta - sin theta_max sqrt(1 - rho^2))
  *     cos alpha = rho^2 sin theta_max + cos theta sqrt(1 - rho^2) */
 static struct surface point_on_sphere(const struct stage *s, uint32_t prim,
@@ -92,8 +93,8 @@ static struct surface point_on_sphere(const struct stage *s, uint32_t prim,
     const struct warp_frame f = warp_frame_make(to_center / distance);
     const float sine_max = sphere->radius / distance;
     const float cap = sphere_cap(sphere, to_center);
-    const float m = cap * q.u;                       /* 1 - cos theta */
-    const float rr = q.u * (2 - m) / (2 - cap);      /* rho^2 = m (2 - m) / (cap (2 - cap)) */
+    const float m = cap * q.u;                  /* 1 - cos theta */
+    const float rr = q.u * (2 - m) / (2 - cap); /* rho^2 = m (2 - m) / (cap (2 - cap)) */
     const float root = __builtin_sqrtf(rr < 1 ? 1 - rr : 0);
     const float sine = __builtin_sqrtf(rr) * ((1 - m) - sine_max * root);
     const float cosine = rr * sine_max + (1 - m) * root;

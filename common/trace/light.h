@@ -25,8 +25,8 @@ struct light_sample {
 bool light_sample(const struct stage *, const struct surface *from, uint32_t pick,
                   struct square position, struct light_sample *);
 
-/* The density with which light_sample at `from` would have chosen the front side of `at`, a point of
- * an emissive primitive seen from there. */
+/* The density with which light_sample at `from` would have chosen the front side of `at`, a point
+ * of an emissive primitive seen from there. */
 float light_pdf_w(const struct stage *, vec3 from, const struct surface *at);
 
 #endif

@@ -20,8 +20,8 @@ static rgb light_directly(const struct stage *s, const struct surface *at, const
                           uint32_t bounce)
 {
     const rgb black = {0, 0, 0, 0};
-    const uint32_t pick = s->emitters.count > 1
-                              ? rng_bits(rng, rng_dimension(bounce, RNG_LIGHT_PICK)) : 0;
+    const uint32_t pick =
+        s->emitters.count > 1 ? rng_bits(rng, rng_dimension(bounce, RNG_LIGHT_PICK)) : 0;
     const struct square position = rng_pair(rng, rng_dimension(bounce, RNG_LIGHT_POSITION));
     struct light_sample light;
     if (!light_sample(s, at, pick, position, &light))
@@ -53,10 +53,10 @@ rgb path_radiance(const struct stage *s, struct ray ray, const struct rng *rng,
     const struct material *materials = stage_at(s, s->materials);
     rgb light = {0, 0, 0, 0};
     rgb throughput = {1, 1, 1, 0};
-    float scale = 1;         /* the part of throughput that is change of radiance by refraction */
-    float pdf_w = 0;         /* of the ray's direction; 0: camera ray or delta lobe, which
-                              * next-event estimation cannot make */
-    vec3 from = ray.origin;  /* the last vertex, where next-event estimation was done */
+    float scale = 1;        /* the part of throughput that is change of radiance by refraction */
+    float pdf_w = 0;        /* of the ray's direction; 0: camera ray or delta lobe, which
+                             * next-event estimation cannot make */
+    vec3 from = ray.origin; /* the last vertex, where next-event estimation was done */
 
     for (uint32_t bounce = 0;; bounce++) {
         /* The next vertex, or the sky */

@@ -6,7 +6,8 @@
 
 #include "common/trace/bvh.h"
 #include "common/trace/fmath.h"
-#include "common/trace/round.h"
+#include "common/trace/sphere.h"
+#include "common/trace/tri.h"
 
 enum { ALIGN = 64 };
 
@@ -58,17 +59,6 @@ static struct plan plan_make(const struct scene *scene, uint64_t prims, struct a
 }
 
 /* --- primitives --- */
-
-/* Rounded outwards, so that what is inside stays inside. */
-static struct bvh_box box_around(vec3 p, float reach)
-{
-    struct bvh_box box;
-    for (int k = 0; k < 3; k++) {
-        box.lo[k] = round_down(p[k] - reach);
-        box.hi[k] = round_up(p[k] + reach);
-    }
-    return box;
-}
 
 /* `area` in m^2. Radiance L from a Lambertian emitter of area A is a power of pi A L. */
 static void add_prim(struct plan *p, uint32_t shape, enum stage_prim_kind kind, uint32_t index,
@@ -131,16 +121,11 @@ static void add_triangle(struct plan *p, uint32_t shape, vec3 a, vec3 b, vec3 c)
         p->head.dropped_degenerate++;
         return;
     }
-    struct bvh_box box;
-    vec3_store(box.lo, a);
-    vec3_store(box.hi, a);
-    for (int i = 1; i < 3; i++)
-        for (int k = 0; k < 3; k++) {
-            box.lo[k] = t.v[i][k] < box.lo[k] ? t.v[i][k] : box.lo[k];
-            box.hi[k] = t.v[i][k] > box.hi[k] ? t.v[i][k] : box.hi[k];
-        }
     const uint64_t index = p->head.triangles.count++;
     p->triangles[index] = t;
+    const struct stage_triangle *kept = &p->triangles[index];
+    struct bvh_box box;
+    tri_bounds(kept->v, box.lo, box.hi);
     add_prim(p, shape, STAGE_TRIANGLE, (uint32_t)index, box, area);
 }
 
@@ -192,8 +177,9 @@ static void add_sphere(struct plan *p, uint32_t shape, const struct shape *s)
     p->spheres[index].radius = radius;
     vec3_store(p->spheres[index].center, center);
     const double rr = (double)radius * (double)radius;
-    add_prim(p, shape, STAGE_SPHERE, (uint32_t)index,
-             box_around(center, radius), 4 * PI * rr);
+    struct bvh_box box;
+    sphere_bounds(p->spheres[index].center, radius, box.lo, box.hi);
+    add_prim(p, shape, STAGE_SPHERE, (uint32_t)index, box, 4 * PI * rr);
 }
 
 /* n turned by a similarity: its scale drops out in the unit length, a mirror image keeps its front. */
@@ -206,9 +192,9 @@ static void add_disc(struct plan *p, uint32_t shape, const struct shape *s)
     p->discs[index].radius = radius;
     vec3_store(p->discs[index].center, center);
     vec3_store(p->discs[index].normal, n);
-    add_prim(p, shape, STAGE_DISC, (uint32_t)index,
-             box_around(center, radius),
-             PI * (double)radius * (double)radius);
+    struct bvh_box box;
+    sphere_bounds(p->discs[index].center, radius, box.lo, box.hi);
+    add_prim(p, shape, STAGE_DISC, (uint32_t)index, box, PI * (double)radius * (double)radius);
 }
 
 static void add_shapes(struct plan *p)

@@ -1,4 +1,4 @@
-/* sobol.h - the first two dimensions of the Sobol' sequence, Owen-scrambled and shuffled by hashing.
+/* sobol.h - the first two dimensions of the Sobol' sequence, scrambled and shuffled by hashing.
  *
  * B. Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020. Points of the unit square:
  * every aligned block of 2^k indices has one point in each elementary interval of area 2^-k.
@@ -58,7 +58,8 @@ static inline float sobol_float(uint32_t bits)
     return (float)(bits >> 8) * 0x1p-24f;
 }
 
-static inline uint32_t sobol_first_bits(uint32_t index_reversed, uint32_t shuffle, uint32_t scramble)
+static inline uint32_t sobol_first_bits(uint32_t index_reversed, uint32_t shuffle,
+                                        uint32_t scramble)
 {
     const uint32_t index = sobol_reverse(sobol_scramble(index_reversed, shuffle));
     return sobol_reverse(sobol_scramble(index, scramble));

@@ -8,6 +8,7 @@
 #define COMMON_TRACE_SPHERE_H
 
 #include "common/trace/ray.h"
+#include "common/trace/round.h"
 #include "common/trace/stage.h"
 
 static inline double sphere_dot(const double a[3], const double b[3])
@@ -21,6 +22,15 @@ static inline void sphere_relative(const struct ray *r, const float center[3], d
     for (int k = 0; k < 3; k++) {
         f[k] = (double)r->origin[k] - (double)center[k];
         d[k] = (double)r->dir[k];
+    }
+}
+
+/* Of a sphere, and of a disc of any direction; rounded outwards, so that what is inside stays inside. */
+static inline void sphere_bounds(const float center[3], float radius, float lo[3], float hi[3])
+{
+    for (int k = 0; k < 3; k++) {
+        lo[k] = round_down(center[k] - radius);
+        hi[k] = round_up(center[k] + radius);
     }
 }
 

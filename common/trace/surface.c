@@ -117,14 +117,14 @@ struct ray surface_leave(const struct surface *s, vec3 dir)
     return (struct ray){outside(s, s->p_error, dir), dir, __builtin_inff()};
 }
 
-/* A segment's direction is rounded, so that its end lies up to gamma(1) |d| beside the target; and t of
- * the target's own surface is computed with an error that tri.h bounds by a multiple of
- * gamma(8) for a surface that is not seen edge-on. Both are lengths along the segment. */
+/* A segment's direction is rounded, so that its end lies up to gamma(1) |d| beside the target; t of the
+ * target's own surface is rounded to float, and a hit may be moved to where the ray enters the
+ * primitive's box, by gamma(3) at most. All are lengths along the segment. */
 struct ray surface_to_surface(const struct surface *from, const struct surface *to)
 {
     const vec3 way = to->p - from->p;
     const vec3 origin = outside(from, from->p_error, way);
-    const float blur = round_gamma(9) * vec3_length(way);
+    const float blur = round_gamma(6) * vec3_length(way);
     const vec3 target = outside(to, to->p_error + vec3_make(blur, blur, blur), -way);
     return (struct ray){origin, target - origin, 1};
 }

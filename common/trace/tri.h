@@ -6,9 +6,9 @@
  * exact negatives of each other and a ray cannot slip between: true as long as the compiler
  * contracts nothing into a fused multiply-add (tests/test_canary.c).
  *
- * t > 0 is decided against a bound on the rounding error of t, after M. Pharr, W. Jakob, G. Humphreys,
- * "Physically Based Rendering", 4th ed., section 6.8.7: a hit closer to the origin than that does not
- * count. There is no epsilon.
+ * Which side of the surface the origin is on decides what a ray that starts there meets, and whether
+ * a wall a hair's breadth away throws its shadow. So t is computed in double from the plane, for the
+ * few triangles that pass: there is neither an epsilon nor a bound on errors to stay clear of.
  * SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_TRI_H
 #define COMMON_TRACE_TRI_H
@@ -19,7 +19,8 @@
 struct tri_ray {
     vec3 origin;
     int kx, ky, kz;   /* z: the axis along which the ray is longest; x, y keep the winding */
-    float sx, sy, sz; /* the shear */
+    float sx, sy; /* the shear */
+    vec3 dir;
     float t_max;
 };
 
@@ -39,8 +40,7 @@ static inline struct tri_ray tri_ray_make(const struct ray *ray)
         kx = ky;
         ky = k;
     }
-    return (struct tri_ray){ray->origin, kx, ky, kz, d[kx] / d[kz], d[ky] / d[kz],
-                            1 / d[kz],   ray->t_max};
+    return (struct tri_ray){ray->origin, kx, ky, kz, d[kx] / d[kz], d[ky] / d[kz], d, ray->t_max};
 }
 
 /* Twice the signed area of (0, a, b): antisymmetric in a and b to the last bit. */
@@ -55,23 +55,35 @@ static inline float tri_edge_exact(float ax, float ay, float bx, float by)
     return (float)((double)ax * (double)by - (double)ay * (double)bx);
 }
 
-static inline float tri_max3(float a, float b, float c)
+/* t of the triangle's plane. Differences of floats are exact in double and so are their products, all but
+ * always: t is right to a rounding of float, and its sign is, unless the origin is nearer to
+ * the plane than 1e-15 of the triangle's distance. */
+static inline float tri_plane_t(vec3 origin, vec3 dir, const float v[3][3])
 {
-    a = __builtin_fabsf(a);
-    b = __builtin_fabsf(b);
-    c = __builtin_fabsf(c);
-    const float m = a > b ? a : b;
-    return m > c ? m : c;
+    double a[3], e[3], f[3], height = 0, speed = 0;
+    for (int k = 0; k < 3; k++) {
+        a[k] = (double)v[0][k] - (double)origin[k];
+        e[k] = (double)v[1][k] - (double)v[0][k];
+        f[k] = (double)v[2][k] - (double)v[0][k];
+    }
+    for (int k = 0; k < 3; k++) {
+        const int i = k == 2 ? 0 : k + 1, j = k == 0 ? 2 : k - 1;
+        const double n = e[i] * f[j] - e[j] * f[i];
+        height += n * a[k];
+        speed += n * (double)dir[k];
+    }
+    return (float)(height / speed);
 }
 
-/* Bound on the absolute error of t = (u az + v bz + w cz) / det. */
-static inline float tri_t_error(float x, float y, float z, float e, float det)
+static inline void tri_bounds(const float v[3][3], float lo[3], float hi[3])
 {
-    const float dz = round_gamma(3) * z;
-    const float dx = round_gamma(5) * (x + z);
-    const float dy = round_gamma(5) * (y + z);
-    const float de = 2 * (round_gamma(2) * x * y + dy * x + dx * y);
-    return 3 * (round_gamma(3) * e * z + de * z + dz * e) / __builtin_fabsf(det);
+    for (int k = 0; k < 3; k++) {
+        lo[k] = hi[k] = v[0][k];
+        for (int i = 1; i < 3; i++) {
+            lo[k] = v[i][k] < lo[k] ? v[i][k] : lo[k];
+            hi[k] = v[i][k] > hi[k] ? v[i][k] : hi[k];
+        }
+    }
 }
 
 /* Both faces. Comparisons are written so that a NaN is a miss. t == t_max is accepted: the caller
@@ -95,13 +107,10 @@ static inline bool tri_hit(const struct tri_ray *r, const float v[3][3], struct 
     if ((e0 < 0 || e1 < 0 || e2 < 0) && (e0 > 0 || e1 > 0 || e2 > 0))
         return false;
     const float det = e0 + e1 + e2;
-    const float az = r->sz * a[r->kz], bz = r->sz * b[r->kz], cz = r->sz * c[r->kz];
-    const float t = (e0 * az + e1 * bz + e2 * cz) / det;
-    if (!(t > 0 && t <= r->t_max)) /* also det == 0: t is NaN or infinite */
+    if (det == 0) /* seen edge-on */
         return false;
-    const float error = tri_t_error(tri_max3(ax, bx, cx), tri_max3(ay, by, cy),
-                                    tri_max3(az, bz, cz), tri_max3(e0, e1, e2), det);
-    if (!(t > error))
+    const float t = tri_plane_t(r->origin, r->dir, v);
+    if (!(t > 0 && t <= r->t_max))
         return false;
     *out = (struct tri_found){t, e1 / det, e2 / det};
     return true;

@@ -1,0 +1,231 @@
+"""The command line: every command, every exit status, nothing left behind. SPDX-License-Identifier: MIT"""
+
+import json
+import os
+import pty
+import re
+import signal
+import subprocess
+import time
+
+import farm
+
+SMALL = farm.scene("cornell-box.json", 64, 64, spp=16)
+PROGRAM = os.path.join(farm.BIN, "smalti")
+
+
+def write(f, name, document):
+    path = os.path.join(f.dir, name)
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(document if isinstance(document, str) else json.dumps(document))
+    return path
+
+
+def private_processes(f):
+    """Processes of a `smalti render` whose state is in our directory."""
+    found = []
+    for pid in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            with open(f"/proc/{pid}/cmdline", "rb") as file:
+                if f"{f.dir}/smalti-".encode() in file.read():
+                    found.append(pid)
+        except OSError:
+            pass
+    return found
+
+
+def leftovers(f):
+    return [name for name in os.listdir(f.dir) if name.startswith("smalti-")] + private_processes(f)
+
+
+def renders(f, t):
+    small, out = write(f, "small.json", SMALL), os.path.join(f.dir, "small.exr")
+    reference = farm.local_digest(SMALL)
+    env = {**os.environ, "TMPDIR": f.dir}
+    done = f.run("render", small, "-o", out, "--workers", "2", "--threads", "1", "--tile", "32", env=env)
+    t.equal(done.returncode, 0, "render: exit status 0")
+    t.equal(f.run("digest", out).stdout.strip(), reference, "render: the image of one process")
+    lines = done.stderr.splitlines()
+    t.ok(len(lines) >= 2 and "\r" not in done.stderr and lines[-2].startswith("done 100 %"),
+         "render: plain lines where there is no terminal", done.stderr)
+    t.equal(leftovers(f), [], "render: no process and no file is left")
+
+    done = f.run("render", small, "-o", out, "--spp", "8", "--quiet", "--json", env=env)
+    told = json.loads(done.stdout)
+    t.equal((told["output"], told["spp"], told["state"], done.stderr), (out, 8, "done", ""),
+            "render --json: one object and silence")
+    done = f.run("render", small, "-o", out, "--error", "0.5", "--quiet", "--json", env=env)
+    told = json.loads(done.stdout)
+    t.ok(done.returncode == 0 and told["error"] <= .5 and told["target"]["error"] == .5,
+         "render --error: it stops when the error is met", told)
+    done = f.run("render", small, "-o", out, "--seconds", "1", "--quiet", "--json", env=env)
+    told = json.loads(done.stdout)
+    same = f.run("render", small, "-o", out + "2", "--spp", str(told["target"]["spp"]), "--quiet", env=env)
+    t.ok(done.returncode == same.returncode == 0 and f.run("diff", out, out + "2").returncode == 0,
+         "render --seconds: as many samples again give the same image", told)
+    t.equal(f.run("render", os.path.join(f.dir, "none.json"), env=env).returncode, 3, "render: no scene, status 3")
+    t.equal(f.run("render", small, "-o", "/nonexistent/x.exr", env=env).returncode, 5,
+            "render: nowhere to write, status 5")
+
+
+def shows_a_moving_bar(f, t):
+    small, out = os.path.join(f.dir, "small.json"), os.path.join(f.dir, "tty.exr")
+    main_end, child_end = pty.openpty()
+    child = subprocess.Popen([PROGRAM, "render", small, "-o", out], stderr=child_end, cwd=f.dir,
+                             env={**os.environ, "TMPDIR": f.dir})
+    os.close(child_end)
+    shown = b""
+    try:
+        while data := os.read(main_end, 4096):
+            shown += data
+    except OSError:  # the other end was closed
+        pass
+    os.close(main_end)
+    t.equal(child.wait(), 0, "on a terminal render ends well")
+    t.ok(b"\r" in shown and b"[####" in shown and re.search(rb"\r\n.*tty\.exr: 16 spp", shown),
+         "and its bar moves on one line", shown)
+
+
+def leaves_the_best_image(f, t):
+    long = write(f, "long.json", farm.scene("cornell-box.json", 64, 64, spp=1 << 24))
+    out = os.path.join(f.dir, "long.exr")
+    log = open(os.path.join(f.dir, "long.log"), "w+b")
+    child = subprocess.Popen([PROGRAM, "render", long, "-o", out, "--json"], stderr=log, stdout=subprocess.DEVNULL,
+                             env={**os.environ, "TMPDIR": f.dir})
+
+    def has_error():
+        log.seek(0)
+        return b" error " in log.read()
+
+    f.wait_for("a first estimate", has_error, 60)
+    f.wait_for("an image", lambda: any(
+        "image.exr" in files for _, _, files in os.walk(f.dir)))
+    child.send_signal(signal.SIGINT)
+    t.equal(child.wait(20 * farm.SLOWER), 130, "Ctrl-C: exit status 130")
+    t.equal(f.run("digest", out).returncode, 0, "Ctrl-C: the best image so far is there")
+    t.equal(leftovers(f), [], "Ctrl-C: no process and no file is left")
+    log.close()
+
+
+def takes_its_children_along(f, t):
+    long = os.path.join(f.dir, "long.json")
+    child = subprocess.Popen([PROGRAM, "render", long, "-o", os.path.join(f.dir, "x.exr"), "--quiet", "--workers", "2"],
+                             env={**os.environ, "TMPDIR": f.dir})
+    f.wait_for("its processes", lambda: len(private_processes(f)) >= 3)
+    child.kill()
+    child.wait()
+    f.wait_for("its processes to die with it", lambda: not private_processes(f), 10)
+    t.ok(True, "kill -9: its processes die with it")
+
+
+def works_with_a_coordinator(f, t):
+    env = {**os.environ, "SMALTI_SERVER": f.url}
+    small, out = os.path.join(f.dir, "small.json"), os.path.join(f.dir, "fetched.exr")
+    worker = f.start_worker("--threads", "1")
+    sent = f.run("submit", small, "--priority", "7", env=env)
+    job = sent.stdout.strip()
+    t.ok(sent.returncode == 0 and re.fullmatch("[0-9a-f]{16}", job), "submit prints the job's id", sent.stderr)
+    t.equal(f.job(job)["priority"], 7, "submit --priority")
+    watched = f.run("watch", job, "--json", env=env)
+    states = [json.loads(line)["state"] for line in watched.stdout.splitlines()]
+    t.ok(watched.returncode == 0 and states[-1] == "done", "watch --json: a line per change, status 0", states)
+    t.ok(job in f.run("status", env=env).stdout, "status lists it")
+    t.equal(json.loads(f.run("status", job, "--json", env=env).stdout)["state"], "done", "status ID --json")
+    t.equal(f.run("fetch", job, "-o", out, env=env).returncode, 0, "fetch: status 0")
+    t.equal(f.run("digest", out).stdout.strip(), f.job(job)["image"]["digest"], "fetch: the job's image")
+    png = os.path.join(f.dir, "fetched.png")
+    f.run("fetch", job, "--png", "-o", png, env=env)
+    with open(png, "rb") as file:
+        t.equal(file.read(8), b"\x89PNG\r\n\x1a\n", "fetch --png: a PNG")
+    t.equal(f.run("cancel", job, env=env).returncode, 1, "cancel: a job that has ended, status 1")
+
+    waited = f.run("submit", small, "--wait", env=env)
+    t.equal((waited.returncode, waited.stdout.strip() != job), (0, True), "submit --wait: another job, done")
+    worker.stop()
+    idle = f.run("submit", small, env=env).stdout.strip()
+    t.equal(f.run("fetch", idle, "-o", out, env=env).returncode, 1, "fetch: no image yet, status 1")
+    t.equal(f.run("cancel", idle, env=env).returncode, 0, "cancel: status 0")
+    t.equal(f.run("watch", idle, env=env).returncode, 1, "watch: a cancelled job, status 1")
+    t.equal(f.run("status", "0123456789abcdef", env=env).returncode, 1, "status: no such job, status 1")
+    t.equal(f.run("status", "nonsense", env=env).returncode, 2, "status: no id at all, status 2")
+
+
+def uploads_what_is_missing(f, t):
+    env = {**os.environ, "SMALTI_SERVER": f.url}
+    mesh = "v 0.2 0.2 0.3\nv 0.3 0.2 0.3\nv 0.2 0.3 0.3\nf 1 2 3\n"
+    write(f, "part.obj", mesh)
+    document = farm.scene("cornell-box.json", 64, 64, spp=8)
+    document["shapes"].append({"type": "mesh", "material": "white", "file": "part.obj"})
+    path = write(f, "meshes.json", document)
+    f.start_worker("--threads", "1")
+    first = f.run("submit", path, "--wait", env=env)
+    t.equal(first.returncode, 0, "a scene with a mesh file is sent and rendered")
+    job = first.stdout.strip()
+    f.run("fetch", job, "-o", os.path.join(f.dir, "meshes.exr"), env=env)
+    out = os.path.join(f.dir, "meshes-local.exr")
+    t.equal(subprocess.run([os.path.join(farm.BIN, "tool_local"), path, out], stdout=subprocess.DEVNULL,
+                           check=False).returncode, 0, "and in one process")
+    t.equal(f.run("diff", os.path.join(f.dir, "meshes.exr"), out).returncode, 0, "to the same pixels")
+    os.unlink(os.path.join(f.dir, "part.obj"))
+    broken = f.run("submit", path, env=env)
+    t.ok(broken.returncode == 3 and f"{path}: /shapes/16: " in broken.stderr, "a mesh file that is gone: status 3",
+         broken.stderr)
+
+
+def checks_scenes(f, t):
+    bad = write(f, "bad.json", {**SMALL, "camera": {"type": "perspective", "fov_deg": 200}, "shap": []})
+    checked = f.run("check", bad)
+    t.ok(checked.returncode == 3 and checked.stderr.count(f"{bad}: /") >= 2, "check: every error with its place",
+         checked.stderr)
+    told = json.loads(f.run("check", bad, "--json").stdout)
+    t.ok(not told["valid"] and "/camera/fov_deg" in [e["pointer"] for e in told["errors"]], "check --json", told)
+    t.equal(json.loads(f.run("check", "scenes/cornell-box.json", "--json").stdout), {"valid": True, "errors": []},
+            "check --json: a valid scene")
+    t.equal(f.run("check", "scenes/cornell-box.json").returncode, 0, "check: status 0")
+
+
+def compares_images(f, t):
+    a, b = (os.path.join(f.dir, name) for name in ("small.exr", "small.exr2"))
+    f.run("render", os.path.join(f.dir, "small.json"), "-o", a, "--spp", "16", "--quiet")
+    f.run("render", os.path.join(f.dir, "small.json"), "-o", b, "--spp", "32", "--quiet")
+    t.equal(f.run("diff", a, a).returncode, 0, "diff: identical, status 0")
+    differ = f.run("diff", a, b, "--json")
+    told = json.loads(differ.stdout)
+    t.ok(differ.returncode == 1 and not told["identical"] and 0 < told["relmse_99_9"] < told["relmse"] < 10,
+         "diff --json: different, status 1", told)
+    t.equal(f.run("diff", a, b, "--tolerance", str(told["relmse"] * 1.01)).returncode, 0, "diff --tolerance: close enough")
+    t.equal(f.run("diff", a, os.path.join(f.dir, "bad.json")).returncode, 3, "diff: not an image, status 3")
+    t.equal(f.run("digest", os.path.join(f.dir, "nothing.exr")).returncode, 3, "digest: no file, status 3")
+
+
+def explains_itself(f, t):
+    for command in "render submit status watch fetch cancel check diff digest".split():
+        told = f.run(command, "--help")
+        t.ok(told.returncode == 0 and told.stdout.startswith(f"Usage: smalti {command}") and
+             "xit status" in told.stdout, f"{command} --help")
+        wrong = f.run(command, "--no-such-flag")
+        t.ok(wrong.returncode == 2 and "--no-such-flag" in wrong.stderr and f"smalti {command} --help" in wrong.stderr,
+             f"{command}: an unknown flag, status 2 and a hint", wrong.stderr)
+    t.equal((f.run().returncode, f.run("rendr").returncode, f.run("--help").returncode), (2, 2, 0),
+            "no command, an unknown one, help")
+    env = {**os.environ, "SMALTI_SERVER": "http://127.0.0.1:1"}
+    begin = time.monotonic()
+    t.equal(f.run("status", env=env).returncode, 4, "a coordinator that is not there: status 4")
+    t.ok(time.monotonic() - begin < 5 * farm.SLOWER, "at once")
+    t.equal(f.run("status", "--server", "localhost").returncode, 2, "no address: status 2")
+
+
+def test(f, t):
+    f.start_server()
+    renders(f, t)
+    shows_a_moving_bar(f, t)
+    leaves_the_best_image(f, t)
+    takes_its_children_along(f, t)
+    works_with_a_coordinator(f, t)
+    uploads_what_is_missing(f, t)
+    checks_scenes(f, t)
+    compares_images(f, t)
+    explains_itself(f, t)
+
+
+farm.main(test)

@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: MIT */
+#include "tests/naive_hit.h"
+
+#include <math.h>
+
+static const double margin = 1e-5, least_sine = 1e-2;
+
+struct vec {
+    double x, y, z;
+};
+
+struct line { /* a ray in double, unit direction: t in metres */
+    struct vec o, d;
+    double t_max;
+};
+
+struct candidate { /* what one primitive says */
+    double t, reach;
+    bool hit, doubtful;
+};
+
+static struct vec load(const float v[3])
+{
+    return (struct vec){(double)v[0], (double)v[1], (double)v[2]};
+}
+
+static struct vec sub(struct vec a, struct vec b)
+{
+    return (struct vec){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+static double dot(struct vec a, struct vec b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static struct vec cross(struct vec a, struct vec b)
+{
+    return (struct vec){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+static double length(struct vec a)
+{
+    return sqrt(dot(a, a));
+}
+
+static double extent(struct vec a)
+{
+    return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
+}
+
+/* t of a surface met at a given sine, when the line runs inside its outline by `inside` metres. */
+static struct candidate judge(const struct line *l, double t, double inside, double sine,
+                              double reach)
+{
+    const double tol = margin * reach, t_tol = tol / fmax(sine, least_sine);
+    const bool may = inside > -tol && t > -t_tol && t < l->t_max + t_tol;
+    const bool must = inside > tol && t > t_tol && t < l->t_max - t_tol && sine > least_sine;
+    return (struct candidate){t, reach, inside >= 0 && t > 0 && t < l->t_max, may && !must};
+}
+
+static struct candidate triangle_hit(const struct line *l, const struct stage_triangle *t)
+{
+    const struct vec a = load(t->v[0]), b = load(t->v[1]), c = load(t->v[2]);
+    const struct vec e1 = sub(b, a), e2 = sub(c, a), e3 = sub(c, b), s = sub(l->o, a);
+    const struct vec p = cross(l->d, e2), q = cross(s, e1);
+    const double det = dot(e1, p);
+    const double far = fmax(extent(s), fmax(extent(sub(l->o, b)), extent(sub(l->o, c))));
+    const double u = dot(s, p) / det, v = dot(l->d, q) / det, w = 1 - u - v;
+    /* Weight times det is the moment of the line about the opposite edge. */
+    const double d1 = u * fabs(det) / length(cross(l->d, e2));
+    const double d2 = v * fabs(det) / length(cross(l->d, e1));
+    const double d0 = w * fabs(det) / length(cross(l->d, e3));
+    const double sine = fabs(det) / length(cross(e1, e2));
+    if (!(isfinite(d0) && isfinite(d1) && isfinite(d2))) /* along an edge, or in the plane */
+        return (struct candidate){0, 0, false, true};
+    return judge(l, dot(e2, q) / det, fmin(d0, fmin(d1, d2)), sine, far);
+}
+
+/* The nearer root in range; both are judged. */
+static struct candidate sphere_hit(const struct line *l, const struct stage_sphere *s)
+{
+    const struct vec f = sub(l->o, load(s->center));
+    const double r = (double)s->radius, far = extent(f) + r;
+    const double b = dot(f, l->d), gap = length(cross(f, l->d));
+    const double h = r * r - gap * gap, root = sqrt(h > 0 ? h : 0), sine = root / r;
+    struct candidate first = judge(l, -b - root, r - gap, sine, far);
+    const struct candidate second = judge(l, -b + root, r - gap, sine, far);
+    first.doubtful |= second.doubtful && !first.hit;
+    first.t = first.hit || first.doubtful ? first.t : second.t;
+    first.hit |= second.hit;
+    return first;
+}
+
+static struct candidate disc_hit(const struct line *l, const struct stage_disc *s)
+{
+    const struct vec n = load(s->normal), f = sub(load(s->center), l->o);
+    const double cosine = dot(n, l->d) / length(n), t = dot(n, f) / dot(n, l->d);
+    const struct vec p = {t * l->d.x - f.x, t * l->d.y - f.y, t * l->d.z - f.z};
+    if (!isfinite(t))
+        return (struct candidate){0, 0, false, true};
+    const double r = (double)s->radius;
+    return judge(l, t, (r - length(p)) * fabs(cosine), fabs(cosine), extent(f) + r);
+}
+
+static struct candidate prim_hit(const struct stage *s, const struct stage_prim *p,
+                                 const struct line *l)
+{
+    switch ((enum stage_prim_kind)p->kind) {
+    case STAGE_TRIANGLE:
+        return triangle_hit(l, (const struct stage_triangle *)stage_at(s, s->triangles) + p->index);
+    case STAGE_SPHERE:
+        return sphere_hit(l, (const struct stage_sphere *)stage_at(s, s->spheres) + p->index);
+    case STAGE_DISC:
+        return disc_hit(l, (const struct stage_disc *)stage_at(s, s->discs) + p->index);
+    }
+    return (struct candidate){0, 0, false, true};
+}
+
+struct naive_hit naive_hit_closest(const struct stage *s, const struct ray *r)
+{
+    struct line l = {{(double)r->origin[0], (double)r->origin[1], (double)r->origin[2]},
+                     {(double)r->dir[0], (double)r->dir[1], (double)r->dir[2]},
+                     0};
+    const double scale = length(l.d);
+    l.d = (struct vec){l.d.x / scale, l.d.y / scale, l.d.z / scale};
+    l.t_max = (double)r->t_max * scale;
+    const struct stage_prim *prims = stage_at(s, s->prims);
+    struct naive_hit best = {.t = HUGE_VAL, .prim = STAGE_NONE};
+    double doubt = HUGE_VAL; /* from here on */
+    for (uint32_t i = 0; i < s->prims.count; i++) {
+        const struct candidate c = prim_hit(s, &prims[i], &l);
+        if (c.hit && c.t < best.t)
+            best = (struct naive_hit){c.t, c.reach, i, true, false};
+        if (c.doubtful && c.t < doubt)
+            doubt = c.t;
+    }
+    best.doubtful = doubt <= best.t * (1 + margin) && (best.hit || doubt < HUGE_VAL);
+    best.t /= scale;
+    best.t_reach /= scale;
+    return best;
+}

@@ -1,0 +1,96 @@
+/* scene_disk.c: files are found beside their document, and what is wrong with them is said with its place.
+ * SPDX-License-Identifier: MIT */
+#include "common/scene_disk.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "tests/tap.h"
+
+static char dir[64];
+
+static const char *write_file(const char *name, const char *text)
+{
+    static char path[128];
+    snprintf(path, sizeof path, "%s/%s", dir, name);
+    FILE *f = fopen(path, "wb");
+    fputs(text, f);
+    fclose(f);
+    return path;
+}
+
+static const char head[] = "{\"smalti\": 1, \"film\": {\"width\": 8, \"height\": 8}, \"camera\": {\"type\": "
+                           "\"perspective\", \"fov_deg\": 40, \"look_at\": {\"from\": [0, 0, 5], \"to\": [0, "
+                           "0, 0]}}, \"materials\": {\"m\": {\"type\": \"diffuse\", \"albedo\": [0.5, 0.5, "
+                           "0.5]}}, \"shapes\": [{\"type\": \"sphere\", \"material\": \"m\", \"center\": [0, "
+                           "0, 0], \"radius\": 1}, {\"type\": \"mesh\", \"material\": \"m\", ";
+static const char triangle[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+static const char *scene_with(const char *mesh)
+{
+    char text[1024];
+    snprintf(text, sizeof text, "%s%s}]}", head, mesh);
+    return write_file("scene.json", text);
+}
+
+static void says(bool good, const struct scene_errors *errors, const char *where, const char *what)
+{
+    const bool said = !good && errors->count == 1 && !strcmp(errors->list[0].where, where) &&
+                      strstr(errors->list[0].what, what);
+    if (!ok(said, "refused at '%s': %s", where, what))
+        diag("good %d, %zu errors, first '%s': '%s'", good, errors->count,
+             errors->count ? errors->list[0].where : "", errors->count ? errors->list[0].what : "");
+}
+
+static void reads_beside(struct arena *arena)
+{
+    struct scene_disk d;
+    struct scene_errors errors;
+    uint32_t unread = 9;
+    char hex[HASH_HEX];
+    write_file("part.obj", triangle);
+    hash_hex(triangle, strlen(triangle), hex);
+    const bool good = scene_disk_open(&d, scene_with("\"file\": \"part.obj\""), arena, &errors) &&
+                      scene_disk_load(&d, arena, &unread, &errors);
+    ok(good && d.scene.meshes[0].triangle_count == 1 && !unread, "a mesh is read beside its document");
+    ok(good && !strcmp(d.assets[0].hex, hex), "and named by its SHA-256");
+    const char *sent = good ? scene_disk_send(&d, arena) : "";
+    struct scene scene;
+    ok(scene_parse(&scene, sent, strlen(sent), SCENE_FROM_NET, arena, &errors) &&
+           !strcmp(scene.meshes[0].asset, hex),
+       "what is sent names the asset and is a document for a coordinator");
+}
+
+static void says_what_is_wrong(struct arena *arena)
+{
+    struct scene_disk d;
+    struct scene_errors errors;
+    uint32_t unread;
+    bool good = scene_disk_open(&d, "/nonexistent/scene.json", arena, &errors);
+    says(good, &errors, "", "No such file");
+    good = scene_disk_open(&d, write_file("scene.json", "{\n  \"smalti\": 1,,"), arena, &errors);
+    says(good, &errors, "line 2, column 15", "");
+    good = scene_disk_open(&d, scene_with("\"file\": \"absent.ply\""), arena, &errors) &&
+           scene_disk_load(&d, arena, &unread, &errors);
+    says(good, &errors, "/shapes/1", "absent.ply: No such file");
+    write_file("bad.obj", "v 0 0 0\nf 1 2 3\n");
+    good = scene_disk_open(&d, scene_with("\"file\": \"bad.obj\""), arena, &errors) &&
+           scene_disk_load(&d, arena, &unread, &errors);
+    says(good, &errors, "/shapes/1", "bad.obj: line 2");
+}
+
+int main(void)
+{
+    struct arena arena = {0};
+    strcpy(dir, "/tmp/smalti-disk-XXXXXX");
+    if (!mkdtemp(dir))
+        return 1;
+    reads_beside(&arena);
+    says_what_is_wrong(&arena);
+    arena_release(&arena);
+    char command[128];
+    snprintf(command, sizeof command, "rm -rf %s", dir);
+    return system(command) | tap_done();
+}
