@@ -7,8 +7,9 @@
 struct store_job fake_job_row(uint32_t width_px, uint32_t height_px, struct scene_target target)
 {
     static uint64_t last = 0xfedcba9800000000; /* as large as ids get */
+    last++;
     struct store_job row = {
-        .id = ++last,
+        .id = last,
         .number = last & 0xffffffff,
         .width_px = width_px,
         .height_px = height_px,

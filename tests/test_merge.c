@@ -136,10 +136,10 @@ static void contradictions(void)
     refuse(j, w, ERR_PROTOCOL, "fewer samples");
     j->row.settled = true;
     j->row.target.spp = 40;
-    struct job *other = in_order();
-    w = fake_job_payload(other, 3, 3, 0, &arena);
+    struct job *whole = fake_job_open(WIDTH, HEIGHT, to_128);
+    w = fake_job_payload(whole, 3, 3, 0, &arena);
+    job_free(whole);
     w.job = good.job;
-    job_free(other);
     refuse(j, w, ERR_CONFLICT, "a pass leased before the job settled on less");
     job_free(j);
     arena_release(&arena);
