@@ -66,6 +66,7 @@ static void sin_cos_deg(double deg, double *s, double *c)
         *s = -cx, *c = sx;
         return;
     }
+    __builtin_unreachable();
 }
 
 /* O. Rodrigues' formula: R = cos I + sin [k]x + (1 - cos) k k^T, k the unit axis. */
