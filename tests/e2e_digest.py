@@ -12,6 +12,15 @@ import farm
 SCENE = farm.scene("glass-and-metal.json", 100, 76, spp=40)
 
 
+def recorded(t):
+    """What the scenes looked like to the last bit when this was last changed on purpose: the same with either
+    compiler, at any optimisation, under any checker."""
+    with open(f"{farm.ROOT}/tests/golden/digests.txt", encoding="ascii") as file:
+        for name, width, height, spp, digest in map(str.split, file):
+            t.equal(farm.local_digest(farm.scene(name, int(width), int(height), spp=int(spp))), digest,
+                    f"{name} is what it was")
+
+
 def one_process(t, reference):
     for threads, tile in [(1, 16), (2, 33), (2, 128)]:
         t.equal(farm.local_digest(SCENE, threads, tile), reference,
@@ -116,6 +125,7 @@ def seconds_target(t):
 def test(_, t):
     reference = farm.local_digest(SCENE)
     t.diag(f"reference {reference}")
+    recorded(t)
     one_process(t, reference)
     many_farms(t, reference)
     disorder(t, reference)
