@@ -3,9 +3,10 @@
 # make check      install what the tests need, build, run every test     (README: "Tests")
 # make check-long the same under ASan/UBSan and TSan, with gcc and clang
 # make bench      measurements, each beside a peer or oracle, in one run
-# MODE=release|debug|asan|tsan|coverage|fuzz    CC=gcc|clang    WERROR=1
+# MODE=release|debug|asan|tsan|coverage|fuzz    CC=gcc|clang    WERROR=1    J=jobs at once
 
 MODE   ?= release
+J      ?= $(shell nproc)
 CC      = gcc
 PREFIX ?= /usr/local
 O      := build/$(MODE)$(if $(filter clang%,$(notdir $(CC))),-clang)
@@ -102,16 +103,18 @@ tests: $(TESTS) $(TOOLS)
 
 demo:
 	deploy/install-deps build
-	$(MAKE) all
+	$(MAKE) -j$(J) all
 	deploy/demo
 
 check:
 	deploy/install-deps build test
-	$(MAKE) WERROR=1 all tests
+	$(MAKE) -j$(J) WERROR=1 all tests
 	$(MAKE) check-rules check-unit check-e2e
 
 check-rules:
+	tests/check_includes.sh --self-test
 	tests/check_includes.sh
+	tests/check_symbols.sh --self-test
 	tests/check_symbols.sh $(O)
 check-unit: tests
 	prove --exec '' $(TESTS)
@@ -120,8 +123,11 @@ check-e2e: all tests
 
 check-long:
 	deploy/install-deps build test
-	$(MAKE) CC=clang WERROR=1 all check-unit
+	$(MAKE) -j$(J) CC=clang WERROR=1 all tests
+	$(MAKE) CC=clang WERROR=1 check-unit check-e2e
+	$(MAKE) -j$(J) MODE=asan WERROR=1 all tests
 	$(MAKE) MODE=asan WERROR=1 check-unit check-e2e
+	$(MAKE) -j$(J) MODE=tsan WERROR=1 all tests
 	$(MAKE) MODE=tsan WERROR=1 check-unit check-e2e
 
 bench: all $(BENCH) $(TOOLS)

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <sys/wait.h>
@@ -93,8 +94,10 @@ bool daemon_start(struct daemon *d, const char *const *flags)
     argv[argc] = NULL;
     fflush(stdout);
     d->pid = fork();
-    if (d->pid == 0)
+    if (d->pid == 0) {
+        prctl(PR_SET_PDEATHSIG, SIGKILL); /* a test that crashes leaves nothing behind */
         exit(child(argc, argv));
+    }
     while (argc)
         free(argv[--argc]);
     d->port = 0;

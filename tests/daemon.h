@@ -15,15 +15,15 @@ struct daemon {
 
 /* flags: smaltid's own, ended by NULL; the state directory is `dir` (made when empty). */
 bool daemon_start(struct daemon *, const char *const *flags);
-int daemon_stop(struct daemon *); /* SIGTERM; its exit status, or -1 */
-void daemon_kill(struct daemon *); /* SIGKILL */
+int daemon_stop(struct daemon *);    /* SIGTERM; its exit status, or -1 */
+void daemon_kill(struct daemon *);   /* SIGKILL */
 void daemon_remove(struct daemon *); /* its directory */
 bool daemon_lives(const struct daemon *);
 
 int daemon_connect(const struct daemon *); /* a socket; reads give up after ten seconds */
 
 struct answer {
-    int status; /* 0: closed without an answer, -1: nothing came in time */
+    int status;      /* 0: closed without an answer, -1: nothing came in time */
     struct buf text; /* head and body, NUL at the end */
     const char *body;
 };

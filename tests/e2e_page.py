@@ -173,6 +173,12 @@ def check_away(page):
     page.t.ok(True, "it recovers by itself")
 
 
+def check_gone(page):
+    page.b.run("location.hash = '#/jobs/0000000000000000'")
+    page.wait("a word on the unknown job", "document.querySelector('h1').innerText.includes('no job 0000000000000000')")
+    page.t.ok(page.b.tab_to("All jobs"), "an address without a job says so, and leads back to the list")
+
+
 def check_empty(page):
     page.b.size(1200, 900)
     page.b.open(page.farm.url + "/")
@@ -196,6 +202,7 @@ def test(f, t):
     said = b.console()
     t.ok(not said, "the console has no errors and no warnings", *said)
     check_away(page)
+    check_gone(page)
     b.close()
 
 

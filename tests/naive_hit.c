@@ -3,149 +3,140 @@
 
 #include <math.h>
 
-#include "common/trace/bvh.h"
-#include "common/trace/sphere.h"
-#include "common/trace/tri.h"
+static const double margin = 1e-5, least_sine = 1e-2;
 
-/* --- the core's own tests, one primitive after the other --- */
-
-static bool hit_one(const struct stage *s, const struct ray *ray, const struct tri_ray *tri,
-                    uint32_t prim, struct ray_hit *hit)
-{
-    const struct stage_prim *p = (const struct stage_prim *)stage_at(s, s->prims) + prim;
-    *hit = (struct ray_hit){.prim = prim};
-    switch ((enum stage_prim_kind)p->kind) {
-    case STAGE_TRIANGLE: {
-        const struct stage_triangle *t = (const struct stage_triangle *)stage_at(s, s->triangles);
-        return tri_hit(tri, t[p->index].v, ray->t_max, hit) && hit->t < ray->t_max;
-    }
-    case STAGE_SPHERE:
-        hit->t = (float)sphere_t(ray, (const struct stage_sphere *)stage_at(s, s->spheres) + p->index);
-        return hit->t > 0 && hit->t < ray->t_max;
-    case STAGE_DISC:
-        hit->t = (float)sphere_disc_t(ray, (const struct stage_disc *)stage_at(s, s->discs) + p->index);
-        return hit->t > 0 && hit->t < ray->t_max;
-    }
-    __builtin_unreachable();
-}
-
-bool naive_hit_closest(const struct stage *s, const struct ray *ray, struct ray_hit *hit)
-{
-    if (!bvh_hit_possible(ray))
-        return false;
-    const struct tri_ray tri = tri_ray_make(ray);
-    bool any = false;
-    for (uint32_t prim = 0; prim < s->prims.count; prim++) {
-        struct ray_hit h;
-        if (hit_one(s, ray, &tri, prim, &h) && (!any || h.t < hit->t)) {
-            *hit = h;
-            any = true;
-        }
-    }
-    return any;
-}
-
-bool naive_hit_any(const struct stage *s, const struct ray *ray)
-{
-    struct ray_hit hit;
-    return naive_hit_closest(s, ray, &hit);
-}
-
-/* --- the textbook's --- */
-
-typedef long double real;
-
-struct found {
-    real t;      /* NAN: none */
-    real margin; /* how far from the boundary between hit and miss, as part of the primitive's size */
+struct vec {
+    double x, y, z;
 };
 
-static real dot(const real a[3], const real b[3])
+struct line { /* a ray in double, unit direction: t in metres */
+    struct vec o, d;
+    double t_max;
+};
+
+struct candidate { /* what one primitive says */
+    double t, reach;
+    bool hit, doubtful;
+};
+
+static struct vec load(const float v[3])
 {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    return (struct vec){(double)v[0], (double)v[1], (double)v[2]};
 }
 
-static void cross(const real a[3], const real b[3], real out[3])
+static struct vec sub(struct vec a, struct vec b)
 {
-    for (int k = 0; k < 3; k++)
-        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+    return (struct vec){a.x - b.x, a.y - b.y, a.z - b.z};
 }
 
-static void difference(const float a[3], const float b[3], real out[3])
+static double dot(struct vec a, struct vec b)
 {
-    for (int k = 0; k < 3; k++)
-        out[k] = (real)a[k] - (real)b[k];
+    return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-static struct found triangle(const real d[3], const float o[3], const float v[3][3])
+static struct vec cross(struct vec a, struct vec b)
 {
-    real e1[3], e2[3], s[3], p[3], q[3];
-    difference(v[1], v[0], e1);
-    difference(v[2], v[0], e2);
-    difference(o, v[0], s);
-    cross(d, e2, p);
-    cross(s, e1, q);
-    const real det = dot(e1, p), size = sqrtl(dot(e1, e1) * dot(p, p));
-    const real u = dot(s, p) / det, w = dot(d, q) / det, rest = 1 - u - w;
-    const real inside = fminl(fminl(u, w), rest);
-    const bool edge_on = fabsl(det) <= 1e-6L * size; /* then u and w mean little */
-    return (struct found){inside >= 0 ? dot(e2, q) / det : (real)NAN,
-                          edge_on ? 0 : fabsl(inside)};
+    return (struct vec){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-static struct found sphere(const real d[3], const float o[3], const struct stage_sphere *s)
+static double length(struct vec a)
 {
-    real f[3];
-    difference(o, s->center, f);
-    const real r = (real)s->radius;
-    const real a = dot(d, d), b = dot(f, d), c = dot(f, f) - r * r, disc = b * b - a * c;
-    if (!(disc >= 0))
-        return (struct found){(real)NAN, -disc / (a * r * r)};
-    const real t0 = (-b - sqrtl(disc)) / a, t1 = (-b + sqrtl(disc)) / a;
-    return (struct found){t0 > 0 ? t0 : t1, disc / (a * r * r)};
+    return sqrt(dot(a, a));
 }
 
-static struct found disc(const real d[3], const float o[3], const struct stage_disc *s)
+static double extent(struct vec a)
 {
-    real f[3], n[3], p[3];
-    difference(o, s->center, f);
-    for (int k = 0; k < 3; k++)
-        n[k] = (real)s->normal[k];
-    const real t = -dot(f, n) / dot(d, n), r = (real)s->radius;
-    for (int k = 0; k < 3; k++)
-        p[k] = f[k] + t * d[k];
-    const real inside = 1 - dot(p, p) / (r * r);
-    return (struct found){inside >= 0 ? t : (real)NAN, fabsl(inside)};
+    return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
 }
 
-static struct found textbook_one(const struct stage *s, const struct ray *ray, uint32_t prim)
+/* t of a surface met at a given sine, when the line runs inside its outline by `inside` metres. */
+static struct candidate judge(const struct line *l, double t, double inside, double sine,
+                              double reach)
 {
-    const struct stage_prim *p = (const struct stage_prim *)stage_at(s, s->prims) + prim;
-    const real d[3] = {(real)ray->dir[0], (real)ray->dir[1], (real)ray->dir[2]};
-    float o[3];
-    vec3_store(o, ray->origin);
+    const double tol = margin * reach, t_tol = tol / fmax(sine, least_sine);
+    const bool may = inside > -tol && t > -t_tol && t < l->t_max + t_tol;
+    const bool must = inside > tol && t > t_tol && t < l->t_max - t_tol && sine > least_sine;
+    return (struct candidate){t, reach, inside >= 0 && t > 0 && t < l->t_max, may && !must};
+}
+
+static struct candidate triangle_hit(const struct line *l, const struct stage_triangle *t)
+{
+    const struct vec a = load(t->v[0]), b = load(t->v[1]), c = load(t->v[2]);
+    const struct vec e1 = sub(b, a), e2 = sub(c, a), e3 = sub(c, b), s = sub(l->o, a);
+    const struct vec p = cross(l->d, e2), q = cross(s, e1);
+    const double det = dot(e1, p);
+    const double far = fmax(extent(s), fmax(extent(sub(l->o, b)), extent(sub(l->o, c))));
+    const double u = dot(s, p) / det, v = dot(l->d, q) / det, w = 1 - u - v;
+    /* Weight times det is the moment of the line about the opposite edge. */
+    const double d1 = u * fabs(det) / length(cross(l->d, e2));
+    const double d2 = v * fabs(det) / length(cross(l->d, e1));
+    const double d0 = w * fabs(det) / length(cross(l->d, e3));
+    const double sine = fabs(det) / length(cross(e1, e2));
+    if (!(isfinite(d0) && isfinite(d1) && isfinite(d2))) /* along an edge, or in the plane */
+        return (struct candidate){0, 0, false, true};
+    return judge(l, dot(e2, q) / det, fmin(d0, fmin(d1, d2)), sine, far);
+}
+
+/* The nearer root in range; both are judged. */
+static struct candidate sphere_hit(const struct line *l, const struct stage_sphere *s)
+{
+    const struct vec f = sub(l->o, load(s->center));
+    const double r = (double)s->radius, far = extent(f) + r;
+    const double b = dot(f, l->d), gap = length(cross(f, l->d));
+    const double h = r * r - gap * gap, root = sqrt(h > 0 ? h : 0), sine = root / r;
+    struct candidate first = judge(l, -b - root, r - gap, sine, far);
+    const struct candidate second = judge(l, -b + root, r - gap, sine, far);
+    first.doubtful |= second.doubtful && !first.hit;
+    first.t = first.hit || first.doubtful ? first.t : second.t;
+    first.hit |= second.hit;
+    return first;
+}
+
+static struct candidate disc_hit(const struct line *l, const struct stage_disc *s)
+{
+    const struct vec n = load(s->normal), f = sub(load(s->center), l->o);
+    const double cosine = dot(n, l->d) / length(n), t = dot(n, f) / dot(n, l->d);
+    const struct vec p = {t * l->d.x - f.x, t * l->d.y - f.y, t * l->d.z - f.z};
+    if (!isfinite(t))
+        return (struct candidate){0, 0, false, true};
+    const double r = (double)s->radius;
+    return judge(l, t, (r - length(p)) * fabs(cosine), fabs(cosine), extent(f) + r);
+}
+
+static struct candidate prim_hit(const struct stage *s, const struct stage_prim *p,
+                                 const struct line *l)
+{
     switch ((enum stage_prim_kind)p->kind) {
     case STAGE_TRIANGLE:
-        return triangle(d, o, ((const struct stage_triangle *)stage_at(s, s->triangles))[p->index].v);
+        return triangle_hit(l, (const struct stage_triangle *)stage_at(s, s->triangles) + p->index);
     case STAGE_SPHERE:
-        return sphere(d, o, (const struct stage_sphere *)stage_at(s, s->spheres) + p->index);
+        return sphere_hit(l, (const struct stage_sphere *)stage_at(s, s->spheres) + p->index);
     case STAGE_DISC:
-        return disc(d, o, (const struct stage_disc *)stage_at(s, s->discs) + p->index);
+        return disc_hit(l, (const struct stage_disc *)stage_at(s, s->discs) + p->index);
     }
-    __builtin_unreachable();
+    return (struct candidate){0, 0, false, true};
 }
 
-struct naive_hit naive_hit_textbook(const struct stage *s, const struct ray *ray)
+struct naive_hit naive_hit_closest(const struct stage *s, const struct ray *r)
 {
-    struct naive_hit best = {.t = (double)ray->t_max};
-    for (uint32_t prim = 0; prim < s->prims.count; prim++) {
-        const struct found f = textbook_one(s, ray, prim);
-        best.doubtful |= f.margin < 1e-7L;
-        if (!(f.t > 0 && f.t < (real)ray->t_max))
-            continue;
-        best.doubtful |= fabsl(f.t / (real)ray->t_max - 1) < 1e-6L;
-        if ((double)f.t < best.t)
-            best = (struct naive_hit){true, (double)f.t, prim, best.doubtful};
+    struct line l = {{(double)r->origin[0], (double)r->origin[1], (double)r->origin[2]},
+                     {(double)r->dir[0], (double)r->dir[1], (double)r->dir[2]},
+                     0};
+    const double scale = length(l.d);
+    l.d = (struct vec){l.d.x / scale, l.d.y / scale, l.d.z / scale};
+    l.t_max = (double)r->t_max * scale;
+    const struct stage_prim *prims = stage_at(s, s->prims);
+    struct naive_hit best = {.t = HUGE_VAL, .prim = STAGE_NONE};
+    double doubt = HUGE_VAL; /* from here on */
+    for (uint32_t i = 0; i < s->prims.count; i++) {
+        const struct candidate c = prim_hit(s, &prims[i], &l);
+        if (c.hit && c.t < best.t)
+            best = (struct naive_hit){c.t, c.reach, i, true, false};
+        if (c.doubtful && c.t < doubt)
+            doubt = c.t;
     }
+    best.doubtful = doubt <= best.t * (1 + margin) && (best.hit || doubt < HUGE_VAL);
+    best.t /= scale;
+    best.t_reach /= scale;
     return best;
 }

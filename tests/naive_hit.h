@@ -1,8 +1,12 @@
-/* naive_hit.h - intersection by trying every primitive: the oracles of the BVH.
+/* naive_hit.h - the oracle of ray intersection: every primitive, in double, by other formulas
+ * than the core's (Moller and Trumbore 1997; the quadratic; the plane). Shares with it the stage
+ * only.
  *
- * naive_hit_closest and _any use the core's primitive tests, so the BVH must agree to the last bit.
- * naive_hit_textbook shares nothing with the core: T. Moeller, B. Trumbore, "Fast, Minimum
- * Storage Ray-Triangle Intersection", 1997, the quadratic formula and the plane equation, in long double.
+ * Float and double may disagree about a ray that all but grazes something. Such a ray is
+ * `doubtful`: for some primitive not farther than the hit it passes within 1e-5 of the reach (the
+ * largest distance from origin to primitive, per coordinate) of an edge or silhouette, meets the
+ * surface at a sine below 1e-2, or starts or ends (t_max) within that distance of the surface,
+ * divided by the sine.
  * SPDX-License-Identifier: MIT */
 #ifndef TESTS_NAIVE_HIT_H
 #define TESTS_NAIVE_HIT_H
@@ -10,17 +14,13 @@
 #include "common/trace/ray.h"
 #include "common/trace/stage.h"
 
-bool naive_hit_closest(const struct stage *, const struct ray *, struct ray_hit *);
-bool naive_hit_any(const struct stage *, const struct ray *);
-
 struct naive_hit {
-    bool hit;
-    double t;
+    double t;       /* of the nearest hit; +infinity without one */
+    double t_reach; /* the hit primitive's reach, as a t: float rounding is in proportion to it */
     uint32_t prim;
-    bool doubtful; /* some primitive in front of the hit was met or missed by less than 1e-7 of its
-                    * size, or t_max or 0 is that near: a float hit may rightly differ */
+    bool hit, doubtful;
 };
 
-struct naive_hit naive_hit_textbook(const struct stage *, const struct ray *);
+struct naive_hit naive_hit_closest(const struct stage *, const struct ray *);
 
 #endif

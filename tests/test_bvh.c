@@ -1,266 +1,310 @@
-/* The BVH against brute force with the same primitive tests (equal bits) and against the textbook.
- * SPDX-License-Identifier: MIT */
+/* The tree against two loops over all primitives: the core's own test of each (equal to the last
+ * bit) and an oracle in double; garbage; what hits depend on. SPDX-License-Identifier: MIT */
+#include "common/trace/bvh.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/trace/bvh.h"
-#include "tests/jumble.h"
+#include "common/trace/prep.h"
 #include "tests/naive_hit.h"
+#include "tests/soup.h"
+#include "tests/stat.h"
 #include "tests/tap.h"
 
 struct tally {
-    int rays, hits;
-    int closest, any;       /* disagree with brute force */
-    int textbook, doubtful; /* disagree with the textbook; left out of that */
+    int rays, hits, wrong_bits, wrong_any, doubtful, wrong_oracle;
 };
 
-static bool same_hit(struct ray_hit a, struct ray_hit b)
+static void try_ray(const struct stage *s, struct ray ray, struct tally *n)
 {
-    return memcmp(&a.t, &b.t, sizeof a.t) == 0 && a.prim == b.prim && a.u == b.u && a.v == b.v;
-}
-
-static void compare(const struct stage *s, const struct ray *ray, struct tally *n)
-{
-    struct ray_hit got, want;
-    const bool hit = bvh_hit_closest(s, ray, &got), expected = naive_hit_closest(s, ray, &want);
+    struct ray_hit tree = {0}, loop = {0};
+    const bool hit = bvh_hit_closest(s, &ray, &tree), also = soup_closest(s, &ray, &loop);
     n->rays++;
     n->hits += hit;
-    n->closest += hit != expected || (hit && !same_hit(got, want));
-    n->any += bvh_hit_any(s, ray) != expected;
+    n->wrong_bits += hit != also || (hit && memcmp(&tree, &loop, sizeof tree) != 0);
+    n->wrong_any += bvh_hit_any(s, &ray) != hit;
+    const struct naive_hit oracle = naive_hit_closest(s, &ray);
+    n->doubtful += oracle.doubtful;
+    if (!oracle.doubtful)
+        n->wrong_oracle +=
+            hit != oracle.hit ||
+            (hit && fabs((double)tree.t - oracle.t) > 1e-5 * oracle.t + 1e-6 * oracle.t_reach);
 }
 
-static void compare_textbook(const struct stage *s, const struct ray *ray, struct tally *n)
+static void judge(const struct tally *n, const char *what)
 {
-    struct ray_hit got;
-    const struct naive_hit want = naive_hit_textbook(s, ray);
-    if (want.doubtful) {
-        n->doubtful++;
-        return;
+    ok(n->hits > n->rays / 20, "%s: %d of %d rays hit", what, n->hits, n->rays);
+    ok(n->wrong_bits == 0, "%s: closest hit is the loop's, bit by bit (%d not)", what,
+       n->wrong_bits);
+    ok(n->wrong_any == 0, "%s: any hit where there is a closest (%d not)", what, n->wrong_any);
+    ok(n->doubtful < n->rays / 10 && n->wrong_oracle == 0,
+       "%s: the oracle in double agrees within 1e-5 t + 1e-6 reach (%d not; %d graze)", what,
+       n->wrong_oracle, n->doubtful);
+}
+
+/* Half of the rays aim at a point of some primitive's bounds; one in eight ends early. */
+static struct ray random_ray(struct dice *d, const struct stage *s, double half_side)
+{
+    const vec3 origin = soup_point(d, half_side);
+    vec3 dir = soup_direction(d);
+    if (dice_bits(d) & 1 && s->triangles.count) {
+        const struct stage_triangle *t = stage_at(s, s->triangles);
+        const uint64_t i = dice_bits(d) % s->triangles.count;
+        const float u = dice_float(d), v = dice_float(d) * (1 - u);
+        dir = vec3_load(t[i].v[0]) * (1 - u - v) + vec3_load(t[i].v[1]) * u +
+              vec3_load(t[i].v[2]) * v - origin;
     }
-    const bool hit = bvh_hit_closest(s, ray, &got);
-    n->textbook += hit != want.hit || (hit && fabs((double)got.t / want.t - 1) > 1e-5);
+    const bool ends = dice_bits(d) % 8 == 0;
+    return (struct ray){origin, dir, ends ? (float)dice_range(d, 0, 2) : INFINITY};
 }
 
-static void report(const struct tally *n, const char *what)
+static void fill(struct scenes *s, struct dice *d, double size, int triangles, int others)
 {
-    ok(n->closest == 0 && n->any == 0 && n->hits > 0,
-       "%s: closest and any hit are brute force's, bit for bit (%d rays, %d hits, %d + %d differ)",
-       what, n->rays, n->hits, n->closest, n->any);
-}
-
-static void fill(struct jumble *j, struct dice *d, uint32_t triangles, uint32_t others, double size)
-{
-    const vec3 zero = {0};
-    for (uint32_t i = 0; i < triangles; i++) {
-        const vec3 at = jumble_point(d, zero, 1);
-        jumble_triangle(j, jumble_point(d, at, size), jumble_point(d, at, size),
-                        jumble_point(d, at, size));
-    }
-    for (uint32_t i = 0; i < others; i++) {
-        const float radius = (float)dice_range(d, 0.1 * size, size);
-        if (dice_bits(d) & 1)
-            jumble_sphere(j, jumble_point(d, zero, 1), radius);
-        else
-            jumble_disc(j, jumble_point(d, zero, 1), jumble_direction(d), radius);
-    }
-}
-
-/* Anywhere, along an axis with either zero, aimed at a vertex, and of any length. */
-static struct ray random_ray(const struct jumble *j, struct dice *d)
-{
-    const vec3 zero = {0};
-    struct ray r = {jumble_point(d, zero, 2), jumble_direction(d), INFINITY};
-    const uint32_t vertices = j->scene.meshes[0].vertex_count, kind = dice_bits(d) % 8;
-    if (kind < 2) {
-        const int axis = (int)(dice_bits(d) % 3);
+    const uint32_t m = scenes_diffuse(s, rgb_gray(0.5f));
+    float(*v)[3] = soup_vertices(s, (uint32_t)triangles);
+    for (int i = 0; i < triangles; i++) {
+        const vec3 at = soup_point(d, 1);
         for (int k = 0; k < 3; k++)
-            if (k != axis)
-                r.dir[k] = dice_bits(d) & 1 ? 0.0f : -0.0f;
-    } else if (kind < 4 && vertices) {
-        const vec3 v = vec3_load(j->vertices + 3 * (size_t)(dice_bits(d) % vertices));
-        r.dir = v - r.origin;
-        if (kind == 3 && dice_bits(d) & 1) /* in a plane of many boxes */
-            r.origin[dice_bits(d) % 3] = v[0];
-    } else if (kind == 4) {
-        r.t_max = (float)dice_range(d, 0, 2);
+            vec3_store(v[3 * i + k], at + soup_point(d, size));
     }
-    return r;
+    soup_mesh(s, m, v, (uint32_t)triangles);
+    for (int i = 0; i < others; i++) {
+        const float radius = (float)(size * dice_unit(d)) + 1e-3f;
+        scenes_sphere(s, m, soup_point(d, 1), radius);
+        scenes_disc(s, m, soup_point(d, 1), soup_direction(d), radius);
+        scenes_quad(s, m, soup_point(d, 1), soup_point(d, size), soup_point(d, size));
+    }
 }
 
-static void random_mixes(void)
+static void test_mixes(void)
 {
+    static const double sizes[] = {0.01, 0.1, 1};
+    struct tally n = {0};
+    for (uint64_t seed = 0; seed < 12; seed++) {
+        struct dice d = dice_make(seed);
+        struct scenes s;
+        scenes_init(&s, 1, 1);
+        fill(&s, &d, sizes[seed % 3], 100, 20);
+        const struct stage *stage = scenes_stage(&s);
+        for (int i = 0; i < 10000 / STAT_SLOW; i++)
+            try_ray(stage, random_ray(&d, stage, 1.5), &n);
+        scenes_release(&s);
+    }
+    judge(&n, "random mixes");
+}
+
+/* Everything in few planes, on few coordinates: equal distances, shared edges, flat boxes. */
+static void test_grid(void)
+{
+    struct tally n = {0};
+    for (uint64_t seed = 0; seed < 12; seed++) {
+        struct dice d = dice_make(100 + seed);
+        struct scenes s;
+        scenes_init(&s, 1, 1);
+        const uint32_t m = scenes_diffuse(&s, rgb_gray(0.5f));
+        for (int i = 0; i < 60; i++) {
+            vec3 corner = {0}, side[2] = {{0}, {0}};
+            for (int k = 0; k < 3; k++)
+                corner[k] = (float)(int)dice_range(&d, -3, 3) / 3;
+            const uint32_t axis = dice_bits(&d) % 3;
+            for (uint32_t k = 0; k < 2; k++)
+                side[k][(axis + 1 + k) % 3] = (float)(1 + dice_bits(&d) % 2) / 3;
+            scenes_quad(&s, m, corner, side[0], side[1]);
+        }
+        const struct stage *stage = scenes_stage(&s);
+        for (int i = 0; i < 10000 / STAT_SLOW; i++)
+            try_ray(stage, random_ray(&d, stage, 1.5), &n);
+        scenes_release(&s);
+    }
+    judge(&n, "quads on a grid");
+}
+
+static const struct stage *stage_of(struct scenes *s, float (*v)[3], uint32_t triangles)
+{
+    soup_mesh(s, scenes_diffuse(s, rgb_gray(0.5f)), v, triangles);
+    return scenes_stage(s);
+}
+
+static void test_coincident(void)
+{
+    enum { COPIES = 100000 };
+    struct scenes s;
+    scenes_init(&s, 1, 1);
+    const float corner[3][3] = {{-1, -1, 0.1f}, {1, -1, 0.2f}, {0, 1, 0.3f}};
+    float(*v)[3] = soup_vertices(&s, COPIES);
+    for (uint32_t i = 0; i < 3 * COPIES; i++)
+        memcpy(v[i], corner[i % 3], sizeof v[i]);
+    const struct stage *stage = stage_of(&s, v, COPIES);
     struct dice d = dice_make(1);
-    struct tally n = {0};
-    static const uint32_t counts[][2] = {{1, 0}, {0, 1},  {2, 0},   {3, 3},     {10, 0},
-                                         {0, 9}, {20, 7}, {90, 30}, {400, 100}, {1500, 50}};
-    for (size_t i = 0; i < countof(counts); i++)
-        for (int size = 0; size < 3; size++) {
-            struct jumble j;
-            jumble_init(&j, counts[i][0], counts[i][1]);
-            fill(&j, &d, counts[i][0], counts[i][1], 0.03 * pow(5, size));
-            const struct stage *s = jumble_stage(&j);
-            for (int k = 0; k < 1500; k++) {
-                const struct ray r = random_ray(&j, &d);
-                compare(s, &r, &n);
-                if (k % 5 == 0)
-                    compare_textbook(s, &r, &n);
-            }
-            jumble_release(&j);
-        }
-    report(&n, "random mixes");
-    ok(n.textbook == 0 && n.doubtful < n.rays / 20,
-       "random mixes: the textbook in long double agrees to 1e-5 (%d differ, %d too close to call)",
-       n.textbook, n.doubtful);
+    int wrong = 0;
+    for (int i = 0; i < 20; i++) {
+        const vec3 origin = soup_point(&d, 0.3) + vec3_make(0, 0, 2);
+        const struct ray ray = {origin, vec3_make(0, -0.1f, 0) - origin, INFINITY};
+        struct ray_hit hit;
+        wrong += !bvh_hit_closest(stage, &ray, &hit) || hit.prim != 0 || !bvh_hit_any(stage, &ray);
+    }
+    ok(wrong == 0, "of 1e5 coincident triangles the first is hit");
+    ok(stage->bvh_depth <= 32, "1e5 coincident triangles make a tree of depth %u",
+       stage->bvh_depth);
+    scenes_release(&s);
 }
 
-/* Flat faces on shared coordinates: boxes without thickness, rays in their planes and edges. */
-static void integer_grid(void)
+/* The later shape lies on the earlier one; neither order of traversal is favoured by the seeds. */
+static void test_ties(void)
 {
-    enum { N = 6 };
-    struct jumble j;
-    struct dice d = dice_make(2);
-    struct tally n = {0};
-    jumble_init(&j, 3 * 2 * N * N * (N + 1), 0);
-    for (int axis = 0; axis < 3; axis++)
-        for (int at = 0; at <= N; at++)
-            for (int i = 0; i < N * N; i++) {
-                vec3 p[4];
-                for (int c = 0; c < 4; c++) {
-                    p[c][axis] = (float)at;
-                    p[c][(axis + 1) % 3] = (float)(i % N + (c == 1 || c == 2));
-                    p[c][(axis + 2) % 3] = (float)(i / N + (c >= 2));
-                }
-                jumble_triangle(&j, p[0], p[1], p[2]);
-                jumble_triangle(&j, p[0], p[2], p[3]);
-            }
-    const struct stage *s = jumble_stage(&j);
-    for (int i = 0; i < 20000; i++) {
-        struct ray r = {{0}, {0}, INFINITY};
-        for (int k = 0; k < 3; k++) {
-            r.origin[k] = (float)(dice_bits(&d) % (4 * N)) * 0.5f - N / 2;
-            r.dir[k] = (float)(dice_bits(&d) % 5) - 2;
-        }
-        compare(s, &r, &n);
-    }
-    report(&n, "integer grid");
-    jumble_release(&j);
-}
-
-static void ties_go_to_the_smaller_number(void)
-{
-    enum { COPIES = 100 };
-    struct jumble j;
-    jumble_init(&j, COPIES, COPIES);
-    const vec3 a = {-1, -1, 0, 0}, b = {1, -1, 0, 0}, c = {0, 1, 0, 0}, z = {0, 0, 1, 0}, o = {0};
-    for (int i = 0; i < COPIES; i++) {
-        jumble_triangle(&j, a, b, c);
-        jumble_disc(&j, o, z, 1);
-    }
-    const struct stage *s = jumble_stage(&j);
-    struct dice d = dice_make(3);
     int wrong = 0, hits = 0;
-    struct tally n = {0};
-    for (int i = 0; i < 1000; i++) {
-        const vec3 from = jumble_point(&d, z * 3, 1);
-        const struct ray r = {from, jumble_point(&d, o, 0.3) * vec3_make(1, 1, 0) - from, INFINITY};
-        struct ray_hit h;
-        compare(s, &r, &n);
-        if (bvh_hit_closest(s, &r, &h)) {
-            hits++;
-            wrong += h.prim != 0;
+    for (uint64_t seed = 0; seed < 50; seed++) {
+        struct dice d = dice_make(seed);
+        struct scenes s;
+        scenes_init(&s, 1, 1);
+        const uint32_t m = scenes_diffuse(&s, rgb_gray(0.5f));
+        const vec3 at = soup_point(&d, 1), a = soup_point(&d, 1), b = soup_point(&d, 1);
+        const int copies = 2 + (int)(dice_bits(&d) % 20);
+        for (int i = 0; i < copies; i++)
+            scenes_quad(&s, m, at, a, b);
+        const struct stage *stage = scenes_stage(&s);
+        for (int i = 0; i < 200; i++) {
+            const vec3 target = at + a * dice_float(&d) + b * dice_float(&d);
+            const vec3 origin = soup_point(&d, 3);
+            const struct ray ray = {origin, target - origin, INFINITY};
+            struct ray_hit hit;
+            const bool found = bvh_hit_closest(stage, &ray, &hit);
+            hits += found;
+            wrong += found && hit.prim > 1;
         }
+        scenes_release(&s);
     }
-    ok(hits == 1000 && wrong == 0, "of 100 triangles and 100 discs in one place, number 0 is hit");
-    report(&n, "coincident triangles and discs");
-    jumble_release(&j);
+    ok(hits > 9000 && wrong == 0, "coplanar duplicates: the smaller number is hit (%d of %d not)",
+       wrong, hits);
 }
 
-static void t_max_is_open(void)
+static float garbage_number(struct dice *d)
 {
-    struct jumble j;
-    jumble_init(&j, 1, 2);
-    const vec3 z = {0, 0, 1, 0};
-    jumble_triangle(&j, vec3_make(-1, -1, 0), vec3_make(1, -1, 0), vec3_make(0, 1, 0));
-    jumble_sphere(&j, vec3_make(10, 0, -1), 1);
-    jumble_disc(&j, vec3_make(20, 0, 0), z, 1);
-    const struct stage *s = jumble_stage(&j);
-    for (int i = 0; i < 3; i++) {
-        struct ray r = {vec3_make(10 * (float)i, 0, 3), -z, 3};
-        struct ray_hit h = {.t = -1};
-        const bool at = bvh_hit_closest(s, &r, &h) || bvh_hit_any(s, &r);
-        r.t_max = nextafterf(3, 4);
-        const bool beyond = bvh_hit_any(s, &r) && bvh_hit_closest(s, &r, &h);
-        ok(!at && beyond && h.t == 3, "primitive %d at t = 3 is hit when t_max > 3 only", i);
-    }
-    jumble_release(&j);
+    static const float odd[] = {0,     -0.0f,  1,        -1,        1e-38f, 1e-45f,
+                                3e38f, -3e38f, INFINITY, -INFINITY, NAN,    1e10f};
+    const uint32_t i = dice_bits(d) % (8 * countof(odd));
+    return i < countof(odd) ? odd[i] : (float)dice_range(d, -1, 1);
 }
 
-/* The block means the same at another address. */
-static void stage_can_be_moved(void)
+static struct ray garbage_ray(struct dice *d)
 {
-    struct jumble j;
-    struct dice d = dice_make(4);
-    jumble_init(&j, 300, 60);
-    fill(&j, &d, 300, 60, 0.2);
-    const struct stage *s = jumble_stage(&j);
-    struct stage *copy = aligned_alloc(64, (s->bytes + 63) / 64 * 64);
-    memcpy(copy, s, s->bytes);
-    int different = 0, hits = 0;
-    for (int i = 0; i < 5000; i++) {
-        const struct ray r = random_ray(&j, &d);
-        struct ray_hit a = {0}, b = {0};
-        const bool hit_a = bvh_hit_closest(s, &r, &a), hit_b = bvh_hit_closest(copy, &r, &b);
-        hits += hit_a;
-        different += hit_a != hit_b || (hit_a && !same_hit(a, b));
-    }
-    ok(different == 0 && hits > 100, "a stage copied elsewhere gives the same %d hits", hits);
-    free(copy);
-    jumble_release(&j);
+    struct ray ray = {soup_point(d, 2), soup_direction(d), INFINITY};
+    const uint32_t k = dice_bits(d) % 12;
+    if (k < 3)
+        ray.origin[k] = garbage_number(d);
+    else if (k < 6)
+        ray.dir[k - 3] = garbage_number(d);
+    else if (k == 6)
+        ray.t_max = garbage_number(d);
+    return ray;
 }
 
-/* F-16 */
-static void rays_that_are_none(void)
+/* Vertices near each other or not, repeated, collinear, without bounds or no numbers at all. */
+static void garbage_triangle(struct dice *d, float (*v)[3], uint32_t i)
 {
-    struct jumble j;
-    struct dice d = dice_make(5);
-    jumble_init(&j, 300, 60);
-    fill(&j, &d, 300, 60, 0.4);
-    const struct stage *s = jumble_stage(&j);
-    static const float bad[] = {NAN, INFINITY, -INFINITY};
-    int hits = 0;
-    for (int i = 0; i < 1000; i++)
-        for (int where = 0; where < 6; where++)
-            for (size_t b = 0; b < countof(bad); b++) {
-                struct ray r = random_ray(&j, &d);
-                struct ray_hit h;
-                if (where < 3)
-                    r.origin[where] = bad[b];
-                else
-                    r.dir[where - 3] = bad[b];
-                hits += bvh_hit_closest(s, &r, &h) + bvh_hit_any(s, &r);
-            }
-    ok(hits == 0, "a ray with a NaN or an infinity hits nothing (%d)", hits);
-    static const float lengths[] = {NAN, 0, -0.0f, -1, -INFINITY};
-    for (size_t b = 0; b < countof(lengths); b++) {
-        const struct ray r = {vec3_make(0, 0, 0), vec3_make(0, 0, 1), lengths[b]};
-        struct ray_hit h;
-        hits += bvh_hit_closest(s, &r, &h) + bvh_hit_any(s, &r);
+    for (uint32_t k = 0; k < 3; k++)
+        for (int j = 0; j < 3; j++)
+            v[3 * i + k][j] = (float)dice_range(d, -1, 1);
+    switch (dice_bits(d) % 8) {
+    case 0:
+        memcpy(v[3 * i + 1], v[3 * i], sizeof v[0]);
+        break;
+    case 1:
+        for (int j = 0; j < 3; j++)
+            v[3 * i + 2][j] = 2 * v[3 * i + 1][j] - v[3 * i][j];
+        break;
+    case 2:
+        v[3 * i + dice_bits(d) % 3][dice_bits(d) % 3] = garbage_number(d);
+        break;
+    case 3:
+        if (i)
+            memcpy(v[3 * i], v[3 * (dice_bits(d) % i)], 3 * sizeof v[0]);
+        break;
     }
-    const struct ray still = {vec3_make(0, 0, 0), vec3_make(0, -0.0f, 0), INFINITY};
-    struct ray_hit h;
-    hits += bvh_hit_closest(s, &still, &h) + bvh_hit_any(s, &still);
-    ok(hits == 0, "nor one without length or direction");
-    jumble_release(&j);
+}
+
+static void test_garbage(void)
+{
+    enum { SEEDS = 300 };
+    int wrong = 0, hits = 0;
+    uint32_t depth = 0;
+    for (uint64_t seed = 0; seed < SEEDS; seed++) {
+        struct dice d = dice_make(1000 + seed);
+        struct scenes s;
+        scenes_init(&s, 1, 1);
+        const uint32_t count = seed < 6 ? (uint32_t)seed : 1 + dice_bits(&d) % 64;
+        float(*v)[3] = soup_vertices(&s, count);
+        for (uint32_t i = 0; i < count; i++)
+            garbage_triangle(&d, v, i);
+        const struct stage *stage = stage_of(&s, v, count);
+        depth = max_u32(depth, stage->bvh_depth);
+        for (int i = 0; i < 200; i++) {
+            const struct ray ray = garbage_ray(&d);
+            struct ray_hit tree = {0}, loop = {0};
+            const bool hit = bvh_hit_closest(stage, &ray, &tree);
+            hits += hit;
+            wrong += hit != soup_closest(stage, &ray, &loop) ||
+                     (hit && memcmp(&tree, &loop, sizeof tree) != 0) ||
+                     hit != bvh_hit_any(stage, &ray) ||
+                     (hit && !(tree.t > 0 && tree.t < ray.t_max));
+        }
+        scenes_release(&s);
+    }
+    ok(wrong == 0 && hits > 3000, "garbage: the tree is the loop (%d of %d hits not)", wrong, hits);
+    ok(depth <= BVH_MAX_DEPTH, "garbage: depth %u of at most %d", depth, BVH_MAX_DEPTH);
+}
+
+/* Sizes that halve: every split cuts off one triangle, until the builder stops that. */
+static void test_depth(void)
+{
+    enum { COUNT = 200 };
+    struct scenes s;
+    scenes_init(&s, 1, 1);
+    float(*v)[3] = soup_vertices(&s, COUNT);
+    float size = 0x1p100f;
+    for (uint32_t i = 0; i < COUNT; i++, size /= 2)
+        for (uint32_t k = 0; k < 3; k++)
+            v[3 * i + k][0] = size * (float)(k + 1), v[3 * i + k][1] = k == 1 ? size : 0;
+    const struct stage *stage = stage_of(&s, v, COUNT);
+    ok(stage->bvh_depth > 16 && stage->bvh_depth <= BVH_MAX_DEPTH,
+       "triangles of halving sizes: depth %u of at most %d", stage->bvh_depth, BVH_MAX_DEPTH);
+    scenes_release(&s);
+}
+
+static void test_determinism(void)
+{
+    struct scenes s;
+    scenes_init(&s, 1, 1);
+    struct dice d = dice_make(7);
+    fill(&s, &d, 0.1, 500, 50);
+    const struct stage *a = scenes_stage(&s), *b = scenes_stage(&s);
+    ok(a != b && a->bytes == b->bytes && memcmp(a, b, a->bytes) == 0,
+       "building twice gives the same bytes");
+    unsigned char *elsewhere = aligned_alloc(64, (a->bytes + 127) / 64 * 64);
+    memcpy(elsewhere, a, a->bytes);
+    memset((void *)(uintptr_t)b, 0, sizeof *b);
+    const struct stage *moved = (const struct stage *)(const void *)elsewhere;
+    int wrong = 0;
+    for (int i = 0; i < 2000; i++) {
+        const struct ray ray = random_ray(&d, a, 1.5);
+        struct ray_hit x = {0}, y = {0};
+        wrong += bvh_hit_closest(a, &ray, &x) != bvh_hit_closest(moved, &ray, &y) ||
+                 memcmp(&x, &y, sizeof x) != 0;
+    }
+    ok(wrong == 0, "a copy of the stage elsewhere gives the same hits");
+    free(elsewhere);
+    scenes_release(&s);
 }
 
 int main(void)
 {
-    random_mixes();
-    integer_grid();
-    ties_go_to_the_smaller_number();
-    t_max_is_open();
-    stage_can_be_moved();
-    rays_that_are_none();
+    test_mixes();
+    test_grid();
+    test_ties();
+    test_coincident();
+    test_garbage();
+    test_depth();
+    test_determinism();
     return tap_done();
 }

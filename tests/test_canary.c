@@ -1,42 +1,89 @@
-/* The core must be compiled without contraction: a fused multiply-add in the triangle test's edge
- * function opens meshes at their edges, and changes pixels from machine to machine.
- * SPDX-License-Identifier: MIT */
-#include "common/trace/bvh.h"
+/* The contraction canary: watertightness rests on edge functions that are exact negatives of each
+ * other, which a fused multiply-add silently breaks. Functions marked CORE are compiled for the
+ * core's instruction set, where the compiler has that instruction and uses it unless it is told not
+ * to. SPDX-License-Identifier: MIT */
+#include "common/trace/tri.h"
+
+#include <string.h>
+
 #include "tests/dice.h"
 #include "tests/tap.h"
 
+#define CORE __attribute__((target("arch=x86-64-v3"), noinline))
+
 enum { PAIRS = 1000000 };
 
-/* All 53 bits random, so that products are rounded. */
-static double random_double(struct dice *d)
+struct pair {
+    float a[2], b[2];
+};
+
+CORE static float edge(float ax, float ay, float bx, float by)
 {
-    return (dice_unit(d) + dice_unit(d) * 0x1p-32 - 0.5) * (double)(1 << dice_bits(d) % 20);
+    return tri_edge(ax, ay, bx, by);
 }
 
-/* Each operation rounded for itself, whatever the compiler thinks it may join. */
-static double edge_by_steps(double ax, double ay, double bx, double by)
+/* What the compiler would make of tri_edge when it may contract. */
+CORE static float edge_fused(float ax, float ay, float bx, float by)
 {
-    volatile double p = ax * by;
-    volatile double q = ay * bx;
-    volatile double e = p - q;
-    return e;
+    return __builtin_fmaf(ax, by, -(ay * bx));
+}
+
+CORE static float edge_exact(float ax, float ay, float bx, float by)
+{
+    return tri_edge_exact(ax, ay, bx, by);
+}
+
+typedef float edge_fn(float, float, float, float);
+
+/* A difference of equal products is +0 both ways: zeros count as opposite. */
+static bool is_opposite(float x, float y)
+{
+    const float minus_y = -y;
+    return memcmp(&x, &minus_y, sizeof x) == 0 || (x == 0 && y == 0);
+}
+
+static int count_violations(edge_fn *f, double spread)
+{
+    struct dice d = dice_make(11);
+    int violations = 0;
+    for (int i = 0; i < PAIRS; i++) {
+        struct pair p;
+        for (int k = 0; k < 2; k++) {
+            p.a[k] = (float)dice_range(&d, -1, 1);
+            p.b[k] = p.a[k] + (float)dice_range(&d, -spread, spread);
+        }
+        const float ab = f(p.a[0], p.a[1], p.b[0], p.b[1]), ba = f(p.b[0], p.b[1], p.a[0], p.a[1]);
+        violations += !is_opposite(ab, ba);
+    }
+    return violations;
+}
+
+/* The sign decides in or out; of the float version it is either right or hidden by a zero. */
+static int count_wrong_signs(void)
+{
+    struct dice d = dice_make(12);
+    int wrong = 0;
+    for (int i = 0; i < PAIRS; i++) {
+        const float ax = (float)dice_range(&d, 1, 2), ay = (float)dice_range(&d, 1, 2);
+        const float scale = (float)dice_range(&d, 1, 2);
+        const float bx = ax * scale, by = ay * scale; /* all but parallel */
+        const double exact = (double)ax * (double)by - (double)ay * (double)bx;
+        float e = edge(ax, ay, bx, by);
+        e = e == 0 ? edge_exact(ax, ay, bx, by) : e;
+        wrong += (e > 0) != (exact > 0) || (e < 0) != (exact < 0);
+    }
+    return wrong;
 }
 
 int main(void)
 {
-    struct dice d = dice_make(11);
-    int asymmetric = 0, different = 0, rounded = 0;
-    for (int i = 0; i < PAIRS; i++) {
-        const double ax = random_double(&d), ay = random_double(&d);
-        const double bx = random_double(&d), by = random_double(&d);
-        const double e = bvh_edge(ax, ay, bx, by);
-        asymmetric += e != -bvh_edge(bx, by, ax, ay);
-        different += e != edge_by_steps(ax, ay, bx, by);
-        rounded += e != __builtin_fma(ax, by, -(ay * bx));
-    }
-    ok(asymmetric == 0, "E(a, b) == -E(b, a) bitwise for %d random pairs (%d differ)", PAIRS,
-       asymmetric);
-    ok(different == 0, "the core's E rounds every operation (%d of %d differ)", different, PAIRS);
-    ok(rounded > PAIRS / 10, "the pairs would show a fused multiply-add (%d of %d)", rounded, PAIRS);
+    ok(count_violations(edge, 1) == 0,
+       "edge functions are antisymmetric to the last bit, 1e6 pairs");
+    ok(count_violations(edge, 1e-6) == 0, "also of points that nearly coincide");
+    ok(count_violations(edge_exact, 1e-6) == 0, "the double version is antisymmetric, too");
+    const int fused = count_violations(edge_fused, 1);
+    ok(fused > PAIRS / 4, "a fused multiply-add would be noticed: %d violations of 1e6", fused);
+    ok(count_wrong_signs() == 0,
+       "the sign of an edge function is right, 1e6 nearly parallel pairs");
     return tap_done();
 }

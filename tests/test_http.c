@@ -1,6 +1,5 @@
-/* The coordinator under malformed, hostile and merely wrong requests: each is answered with the right
- * 4xx or its connection is closed, and the daemon lives.
- * SPDX-License-Identifier: MIT */
+/* The coordinator under malformed, hostile and merely wrong requests: each is answered with the
+ * right 4xx or its connection is closed, and the daemon lives. SPDX-License-Identifier: MIT */
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -31,8 +30,14 @@ struct probe {
     const char *name;
 };
 
-#define P(status, name, text) {text, 0, status, name}
-#define N(status, name, text) {text, sizeof text - 1, status, name}
+#define P(status, name, text)                                                                      \
+    {                                                                                              \
+        text, 0, status, name                                                                      \
+    }
+#define N(status, name, text)                                                                      \
+    {                                                                                              \
+        text, sizeof text - 1, status, name                                                        \
+    }
 
 static const struct probe probes[] = {
     /* request lines */
@@ -100,7 +105,8 @@ static const struct probe probes[] = {
     P(413, "length of all 64 bits",
       "POST /v1/leases HTTP/1.1\r\n" HOST JSON "Content-Length: 18446744073709551614\r\n\r\n"),
     P(ANY_4XX, "chunk size is rubbish",
-      "POST /v1/leases HTTP/1.1\r\n" HOST JSON "Transfer-Encoding: chunked\r\n\r\nzz\r\n{}\r\n0\r\n\r\n"),
+      "POST /v1/leases HTTP/1.1\r\n" HOST JSON
+      "Transfer-Encoding: chunked\r\n\r\nzz\r\n{}\r\n0\r\n\r\n"),
     P(ANY_4XX, "chunk size beyond 64 bits",
       "POST /v1/leases HTTP/1.1\r\n" HOST JSON
       "Transfer-Encoding: chunked\r\n\r\nfffffffffffffffff\r\n{}\r\n0\r\n\r\n"),
@@ -109,18 +115,20 @@ static const struct probe probes[] = {
     P(415, "a form",
       "POST /v1/jobs HTTP/1.1\r\n" HOST
       "Content-Type: application/x-www-form-urlencoded\r\nContent-Length: 2\r\n\r\n{}"),
-    P(415, "text", "PATCH /v1/jobs/0 HTTP/1.1\r\n" HOST
-                   "Content-Type: text/plain\r\nContent-Length: 2\r\n\r\n{}"),
-    P(415, "nearly JSON", "POST /v1/leases HTTP/1.1\r\n" HOST
-                          "Content-Type: application/jsonx\r\nContent-Length: 2\r\n\r\n{}"),
+    P(415, "text",
+      "PATCH /v1/jobs/0 HTTP/1.1\r\n" HOST
+      "Content-Type: text/plain\r\nContent-Length: 2\r\n\r\n{}"),
+    P(415, "nearly JSON",
+      "POST /v1/leases HTTP/1.1\r\n" HOST
+      "Content-Type: application/jsonx\r\nContent-Length: 2\r\n\r\n{}"),
     P(415, "JSON for an asset",
       "PUT /v1/assets/" SHA " HTTP/1.1\r\n" HOST JSON "Content-Length: 3\r\n\r\nabc"),
     P(405, "DELETE of the list", "DELETE /v1/jobs HTTP/1.1\r\n" HOST "\r\n"),
     P(405, "PUT of a job", "PUT /v1/jobs/0123456789abcdef HTTP/1.1\r\n" HOST "\r\n"),
     P(405, "GET of leases", "GET /v1/leases HTTP/1.1\r\n" HOST "\r\n"),
     P(413, "a GET with a body", "GET /healthz HTTP/1.1\r\n" HOST "Content-Length: 2\r\n\r\n{}"),
-    P(413, "a scene of 5 MB", "POST /v1/jobs HTTP/1.1\r\n" HOST JSON
-                              "Content-Length: 5000000\r\n\r\n"),
+    P(413, "a scene of 5 MB",
+      "POST /v1/jobs HTTP/1.1\r\n" HOST JSON "Content-Length: 5000000\r\n\r\n"),
     P(413, "a call of 5000 bytes",
       "POST /v1/leases HTTP/1.1\r\n" HOST JSON "Content-Length: 5000\r\n\r\n"),
     P(413, "an asset of 3 GiB",
@@ -166,9 +174,11 @@ static const struct call calls[] = {
     {400, "POST", "/v1/leases", J,
      "{\"worker\": \"a b\", \"threads\": 1, \"version\": \"0.1.0\", \"want\": 1}", "a bad name"},
     {400, "POST", "/v1/leases", J,
-     "{\"worker\": \"a\", \"threads\": 1, \"version\": \"0.1.0\", \"want\": 65}", "too many leases"},
+     "{\"worker\": \"a\", \"threads\": 1, \"version\": \"0.1.0\", \"want\": 65}",
+     "too many leases"},
     {400, "POST", "/v1/leases", J,
-     "{\"worker\": \"a\", \"threads\": -1, \"version\": \"0.1.0\", \"want\": 1}", "too few threads"},
+     "{\"worker\": \"a\", \"threads\": -1, \"version\": \"0.1.0\", \"want\": 1}",
+     "too few threads"},
     {400, "POST", "/v1/leases", J,
      "{\"worker\": \"a\", \"threads\": 1, \"version\": \"0.1.0\", \"want\": 1, \"wait_ms\": 25001}",
      "too long a wait"},
@@ -348,9 +358,8 @@ static void crowd(void)
 
 static void parked(void)
 {
-    static const char call[] =
-        "{\"worker\": \"p\", \"threads\": 1, \"version\": \"" SMALTI_VERSION
-        "\", \"want\": 1, \"wait_ms\": 300}";
+    static const char call[] = "{\"worker\": \"p\", \"threads\": 1, \"version\": \"" SMALTI_VERSION
+                               "\", \"want\": 1, \"wait_ms\": 300}";
     const int64_t begin_ms = clock_ms();
     struct answer a = daemon_call(&d, "POST", "/v1/leases", J, call, strlen(call));
     ok(a.status == 200 && !strcmp(a.body, "{\"leases\":[]}") && clock_ms() - begin_ms >= 290,

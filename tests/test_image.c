@@ -122,8 +122,8 @@ static void round_trips(void)
         }
 }
 
-/* Random bits do not compress at all, zeros do; between them, somewhere, zlib's output is exactly as
- * long as its input: the case in which OpenEXR 3.1.5 writes chunks that nobody can read. */
+/* Random bits do not compress at all, zeros do; between them, somewhere, zlib's output is exactly
+ * as long as its input: the case in which OpenEXR 3.1.5 writes chunks that nobody can read. */
 static void incompressible(void)
 {
     struct arena arena = {0};

@@ -55,6 +55,20 @@ static void singles_are_stratified(void)
     ok(once, "256 single numbers of a replicate fall into 256 equal parts");
 }
 
+static void purposes_have_own_dimensions(void)
+{
+    enum { BOUNCES = 1000, DIMENSIONS = 1 + BOUNCES * RNG_PURPOSES };
+    static unsigned char seen[DIMENSIONS];
+    bool own = true;
+    seen[RNG_FILTER] = 1;
+    for (uint32_t b = 0; b < BOUNCES; b++)
+        for (int p = 0; p < RNG_PURPOSES; p++) {
+            const uint32_t d = rng_dimension(b, (enum rng_purpose)p);
+            own &= d < DIMENSIONS && seen[d]++ == 0;
+        }
+    ok(own, "each purpose of each bounce has a dimension of its own");
+}
+
 /* p value of 16 x 16 cells for pairs (x, y). */
 struct grid {
     uint32_t seen[256];
@@ -171,6 +185,7 @@ int main(void)
 {
     pairs_are_nets();
     singles_are_stratified();
+    purposes_have_own_dimensions();
     hashes_are_independent();
     deep_dimensions_are_independent();
     smooth_integrals_converge();

@@ -420,7 +420,11 @@ async function turn(mine) {
             away = false;
             notice("");
             showRefusal(problem.status === 404 ? mine.gone : problem.message);
-            return; // asking again would not help
+            mine.show = () => { // it is there after all, when somebody looks again
+                route();
+                return 1000;
+            };
+            return; // until then, asking would not help
         } else {
             reportError(problem); // a mistake of ours
         }

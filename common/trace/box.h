@@ -1,11 +1,14 @@
-/* box.h - ray against axis-aligned box, conservative: whatever a primitive test of this library finds
- * inside a box, at the t it finds, is inside for box_hit, too.
+/* box.h - ray against axis-aligned box: never misses a box whose primitive the ray's own test hits.
  *
- * Robust slab test: T. Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013. He widens the far planes for
- * the rounding of the slab test itself. We also make good for t: it is rounded to a float, so the
- * point it names lies beside the primitive by 2^-24 t |dir|. The ray is therefore taken for a thin
- * cone: near planes are met by its fast side, far planes by its slow one. That costs nothing per box.
- * A NaN (0 * infinity: the ray lies in the plane) must lose: the comparisons keep what was there.
+ * T. Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013, pads the far distance for the roundings of the
+ * slab test. That is not enough: the triangle test (tri.h) decides with sheared vertices, each off
+ * by up to gamma(4) (|x| + |shear z|) (x, z: its distance from the origin), so it may accept a ray that
+ * passes the box at that distance (Woop et al. 2013, section 3.3). Each slab is widened
+ * by it; a box that starts far behind the ray's origin is where that shows.
+ *
+ * Monotone: the entry into a box is not after the entry into a box inside it, bit for bit, since every
+ * operation is. A NaN (0 * infinity: the ray lies in the plane) must lose: the
+ * comparisons keep what was there.
  * SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_BOX_H
 #define COMMON_TRACE_BOX_H
@@ -14,68 +17,58 @@
 #include "common/trace/round.h"
 
 struct box_ray {
-    float near_origin[3], far_origin[3];
-    float near_inv[3], far_inv[3]; /* 1 / speed along the axis, of the cone's fast and slow side */
-    uint32_t neg[3];               /* 1: the upper plane is the near one */
+    float origin[3];
+    float inv[3];   /* 1 / dir: infinite, with dir's sign, where dir is 0 */
+    float shear[3]; /* error of a slab in parts of the distance along z */
+    bool neg[3];    /* inv < 0: the upper plane is the near one */
+    int z;          /* the axis along which the ray is longest */
 };
 
-/* The greatest distance between the ray's origin and the bounds, along any axis. */
-static inline float box_reach(const struct ray *r, const float bounds[2][3])
-{
-    float reach = 0;
-    for (int k = 0; k < 3; k++)
-        for (int side = 0; side < 2; side++) {
-            const float d = __builtin_fabsf(bounds[side][k] - r->origin[k]);
-            reach = d > reach ? d : reach;
-        }
-    return reach;
-}
-
-/* bounds: of all boxes the ray will be held against. dir has a component that is not subnormal.
- *
- * The cone's slope: gamma(8) for the rounding of t (1) and of a slab distance (6: speed and its inverse,
- * difference, product); and 2^-40 of the fastest axis for the primitive tests' own errors, which
- * are below 2^-46 of the distance. Where the ray moves along an axis no faster than the cone
- * widens it stays within the width at its end, which is added to the origin instead (twice,
- * as that is rounded, too), and the speed counts as 0. */
-static inline struct box_ray box_ray_make(const struct ray *r, const float bounds[2][3])
+static inline struct box_ray box_ray_make(const struct ray *r)
 {
     struct box_ray b;
-    float speed = 0;
+    float longest = 0;
+    b.z = 0;
     for (int k = 0; k < 3; k++) {
         const float d = __builtin_fabsf(r->dir[k]);
-        speed = d > speed ? d : speed;
+        b.z = d > longest ? k : b.z;
+        longest = d > longest ? d : longest;
     }
     for (int k = 0; k < 3; k++) {
-        const float d = __builtin_fabsf(r->dir[k]);
-        const float sign = __builtin_signbit(r->dir[k]) ? -1 : 1;
-        const float widening = round_gamma(8) * d + 0x1p-40f * speed;
-        b.neg[k] = sign < 0;
-        b.near_origin[k] = b.far_origin[k] = r->origin[k];
-        if (d > 4 * widening) {
-            b.near_inv[k] = sign / (d + widening);
-            b.far_inv[k] = sign / (d - widening);
-        } else {
-            const float width = 2 * (8 * 0x1p-40f) * box_reach(r, bounds);
-            b.near_origin[k] += sign * width;
-            b.far_origin[k] -= sign * width;
-            b.near_inv[k] = b.far_inv[k] = sign * __builtin_inff();
-        }
+        b.origin[k] = r->origin[k];
+        b.inv[k] = 1 / r->dir[k];
+        b.neg[k] = b.inv[k] < 0;
+        b.shear[k] = round_gamma(5) * __builtin_fabsf(r->dir[k] / longest);
     }
     return b;
 }
 
-/* plane[0], plane[1]: lower and upper corner. *t: where the ray enters, 0 from inside. */
-static inline bool box_hit(const struct box_ray *r, const float plane[2][3], float t_max, float *t)
+/* The distance from the origin to the farther plane. */
+static inline float box_reach(float lo, float hi)
 {
+    const float a = __builtin_fabsf(lo), b = __builtin_fabsf(hi);
+    return a > b ? a : b;
+}
+
+/* t: where the ray enters and leaves, within [0, t_max]. t_max must be finite, for a ray beside the
+ * box and parallel to it enters at infinity. */
+static inline bool box_hit(const struct box_ray *r, const float lo[3], const float hi[3],
+                           float t_max, float t[2])
+{
+    const float along = box_reach(lo[r->z] - r->origin[r->z], hi[r->z] - r->origin[r->z]);
     float t0 = 0, t1 = t_max;
     for (int k = 0; k < 3; k++) {
-        const float near = (plane[r->neg[k]][k] - r->near_origin[k]) * r->near_inv[k];
-        const float far = (plane[1 - r->neg[k]][k] - r->far_origin[k]) * r->far_inv[k];
+        float a = lo[k] - r->origin[k], b = hi[k] - r->origin[k];
+        const float error = round_gamma(5) * box_reach(a, b) + r->shear[k] * along;
+        a -= error;
+        b += error;
+        const float near = (r->neg[k] ? b : a) * r->inv[k];
+        const float far = (r->neg[k] ? a : b) * r->inv[k] * (1 + 2 * round_gamma(3));
         t0 = near > t0 ? near : t0;
         t1 = far < t1 ? far : t1;
     }
-    *t = t0;
+    t[0] = t0;
+    t[1] = t1;
     return t0 <= t1;
 }
 

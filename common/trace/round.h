@@ -34,16 +34,4 @@ static inline float round_down(float x)
     return -round_up(-x);
 }
 
-/* The greatest float not above x, the least one not below. */
-static inline float round_floor(double x)
-{
-    const float f = (float)x;
-    return (double)f > x ? round_down(f) : f;
-}
-
-static inline float round_ceil(double x)
-{
-    return -round_floor(-x);
-}
-
 #endif

@@ -8,6 +8,7 @@
 #define COMMON_TRACE_SPHERE_H
 
 #include "common/trace/ray.h"
+#include "common/trace/round.h"
 #include "common/trace/stage.h"
 
 static inline double sphere_dot(const double a[3], const double b[3])
@@ -15,7 +16,6 @@ static inline double sphere_dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* The ray's origin seen from the centre, and its direction. */
 static inline void sphere_relative(const struct ray *r, const float center[3], double f[3],
                                    double d[3])
 {
@@ -25,9 +25,18 @@ static inline void sphere_relative(const struct ray *r, const float center[3], d
     }
 }
 
-/* The smallest t > 0 where the ray meets the sphere, from outside or inside; 0: nowhere. Touching
- * counts. A NaN anywhere gives 0. */
-static inline double sphere_t(const struct ray *r, const struct stage_sphere *s)
+/* Of a sphere, and of a disc of any direction; rounded outwards, so that what is inside stays inside. */
+static inline void sphere_bounds(const float center[3], float radius, float lo[3], float hi[3])
+{
+    for (int k = 0; k < 3; k++) {
+        lo[k] = round_down(center[k] - radius);
+        hi[k] = round_up(center[k] + radius);
+    }
+}
+
+/* The nearest t in (0, t_max] from outside or inside. False for a NaN. */
+static inline bool sphere_hit(const struct ray *r, const struct stage_sphere *s, float t_max,
+                              float *t)
 {
     double f[3], d[3], l[3];
     sphere_relative(r, s->center, f, d);
@@ -37,25 +46,33 @@ static inline double sphere_t(const struct ray *r, const struct stage_sphere *s)
         l[k] = f[k] + b / a * d[k];
     const double discriminant = radius * radius - sphere_dot(l, l);
     if (!(discriminant >= 0))
-        return 0;
+        return false;
     const double root = __builtin_sqrt(a * discriminant);
     const double q = b >= 0 ? b + root : b - root;
     const double c = sphere_dot(f, f) - radius * radius;
-    /* q / a is the farther root when the centre is ahead, else both lie behind or c / q is ahead. */
-    const double t0 = b >= 0 ? c / q : q / a, t1 = b >= 0 ? q / a : c / q;
-    return t0 > 0 ? t0 : t1 > 0 ? t1 : 0;
+    double t0 = c / q, t1 = q / a;
+    if (t0 > t1) {
+        const double swap = t0;
+        t0 = t1;
+        t1 = swap;
+    }
+    *t = (float)(t0 > 0 ? t0 : t1);
+    return *t > 0 && *t <= t_max;
 }
 
-/* The same for a disc; 0 for a ray in its plane. */
-static inline double sphere_disc_t(const struct ray *r, const struct stage_disc *s)
+static inline bool sphere_disc_hit(const struct ray *r, const struct stage_disc *s, float t_max,
+                                   float *t)
 {
     double f[3], d[3];
     sphere_relative(r, s->center, f, d);
     const double n[3] = {(double)s->normal[0], (double)s->normal[1], (double)s->normal[2]};
-    const double t = -sphere_dot(n, f) / sphere_dot(n, d);
+    const double at = -sphere_dot(n, f) / sphere_dot(n, d);
+    *t = (float)at;
+    if (!(*t > 0 && *t <= t_max))
+        return false;
     for (int k = 0; k < 3; k++)
-        f[k] += t * d[k];
-    return t > 0 && sphere_dot(f, f) <= (double)s->radius * (double)s->radius ? t : 0;
+        f[k] += at * d[k];
+    return sphere_dot(f, f) <= (double)s->radius * (double)s->radius;
 }
 
 #endif

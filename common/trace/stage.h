@@ -21,21 +21,18 @@ struct stage_span { /* an array inside the block */
     uint64_t count;  /* elements */
 };
 
-/* Each kind has its array, in the order of the BVH's leaves: a leaf is a range of one of them. */
 struct stage_triangle {
-    float v[3][3]; /* counter-clockwise seen from the front */
-    uint32_t prim;
+    float v[3][3];
 };
 
 struct stage_sphere {
     float center[3], radius;
-    uint32_t prim;
 };
 
 struct stage_disc {
     float center[3], radius;
-    float normal[3]; /* unit, to the front */
-    uint32_t prim;
+    float normal[3]; /* unit */
+    float pad;
 };
 
 enum stage_prim_kind { STAGE_TRIANGLE, STAGE_SPHERE, STAGE_DISC };
@@ -58,9 +55,8 @@ struct emitter {
     uint32_t prim;     /* EMITTER_PRIM */
     float radiance[3]; /* EMITTER_PRIM: radiance; POINT: intensity; DISTANT: irradiance */
     float at[3];       /* POINT: position; DISTANT: direction of travel, unit */
-    float area;        /* EMITTER_PRIM: m^2, > 0 */
-    float pick;        /* probability of being chosen, what pick_cdf says: a multiple of 2^-24,
-                        * never 0; they sum to 1 exactly */
+    float area;        /* EMITTER_PRIM: m^2 */
+    float pick;        /* probability of being chosen; they sum to 1 */
 };
 
 struct stage_camera {
@@ -80,8 +76,8 @@ struct stage {
     struct scene_settings settings;
     rgb sky;                   /* radiance of rays that leave the scene */
     float bounds[2][3];        /* of all primitives */
-    uint32_t dropped_degenerate; /* primitives without area, not in any array */
-    uint32_t dropped_nonfinite;  /* primitives that are not finite once in world space */
+    uint32_t dropped_degenerate; /* zero-area triangles, not in any array */
+    uint32_t dropped_nonfinite;  /* triangles with a vertex that is not finite */
     uint32_t bvh_depth;
 
     struct stage_span prims;     /* struct stage_prim */
@@ -90,10 +86,9 @@ struct stage {
     struct stage_span discs;     /* struct stage_disc */
     struct stage_span materials; /* struct material, names NULL */
     struct stage_span emitters;  /* struct emitter */
-    struct stage_span pick_cdf;  /* float: cumulative pick, one more than emitters; strictly
-                                  * increasing multiples of 2^-24, so that u on a grid of 2^-24 or
-                                  * finer with cdf[i] <= u < cdf[i + 1] chooses i exactly so often */
+    struct stage_span pick_cdf;  /* float: cumulative pick, one more than emitters */
     struct stage_span nodes;     /* struct bvh_node (bvh.h) */
+    struct stage_span leaf_prims; /* uint32_t prim numbers in leaf order */
 };
 
 static inline const void *stage_at(const struct stage *s, struct stage_span span)

@@ -1,97 +1,118 @@
 /* tri.h - ray against triangle, watertight.
  *
- * S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. Vertices are
- * moved to the ray's origin and sheared so that the ray becomes an axis; what is left is whether
- * three 2-D edge functions have the same sign. Two triangles that share an edge compute the same two
- * products for it in the other order, and rounding is monotone: the sign of their difference is
- * either right or zero for both, and zero counts as inside. So no ray passes between them, as long
- * as the compiler contracts nothing into a fused multiply-add (tests/test_canary.c).
+ * S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. The ray is
+ * sheared onto an axis once; a triangle is then tested by three 2-D edge functions. Two triangles
+ * that share an edge compute the same products for it with the terms exchanged, so the values are
+ * exact negatives of each other and a ray cannot slip between: true as long as the compiler
+ * contracts nothing into a fused multiply-add (tests/test_canary.c).
  *
- * Ours differs in being done in double: with differences of floats nearly nothing is rounded, so a
- * hit is where the exact ray meets the exact triangle to about 2^-48. Boxes need no slack for
- * the shear, slivers give no hits beside themselves, and a ray that starts an ulp off its
- * own surface is seen to. The paper's float version saves a tenth of the time at best.
+ * Which side of the surface the origin is on decides what a ray that starts there meets, and whether
+ * a wall a hair's breadth away throws its shadow. So t is computed in double from the plane, for the
+ * few triangles that pass: there is neither an epsilon nor a bound on errors to stay clear of.
  * SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_TRI_H
 #define COMMON_TRACE_TRI_H
 
 #include "common/trace/ray.h"
+#include "common/trace/round.h"
 
 struct tri_ray {
-    int x, y, z; /* z: the axis along which the ray is longest; then cyclic */
-    double ox, oy, oz, dx, dy, dz;
+    vec3 origin;
+    int kx, ky, kz;   /* z: the axis along which the ray is longest; x, y keep the winding */
+    float sx, sy; /* the shear */
+    vec3 dir;
+    float t_max;
 };
 
-static inline struct tri_ray tri_ray_make(const struct ray *r)
+struct tri_found {
+    float t;
+    float u, v; /* weights of vertices 1 and 2 */
+};
+
+static inline struct tri_ray tri_ray_make(const struct ray *ray)
 {
-    const vec3 d = r->dir;
+    const vec3 d = ray->dir;
     const float ax = __builtin_fabsf(d[0]), ay = __builtin_fabsf(d[1]), az = __builtin_fabsf(d[2]);
-    const int z = ax > ay ? (ax > az ? 0 : 2) : (ay > az ? 1 : 2);
-    const int x = z == 2 ? 0 : z + 1, y = x == 2 ? 0 : x + 1;
-    const vec3 o = r->origin;
-    return (struct tri_ray){x,            y,            z,            (double)o[x], (double)o[y],
-                            (double)o[z], (double)d[x], (double)d[y], (double)d[z]};
+    const int kz = ax > ay ? (ax > az ? 0 : 2) : (ay > az ? 1 : 2);
+    int kx = kz == 2 ? 0 : kz + 1, ky = kx == 2 ? 0 : kx + 1;
+    if (d[kz] < 0) {
+        const int k = kx;
+        kx = ky;
+        ky = k;
+    }
+    return (struct tri_ray){ray->origin, kx, ky, kz, d[kx] / d[kz], d[ky] / d[kz], d, ray->t_max};
 }
 
 /* Twice the signed area of (0, a, b): antisymmetric in a and b to the last bit. */
-static inline double tri_edge(double ax, double ay, double bx, double by)
+static inline float tri_edge(float ax, float ay, float bx, float by)
 {
     return ax * by - ay * bx;
 }
 
-static inline double tri_max3(double a, double b, double c)
+/* A float edge function that is exactly zero may hide a sign; doubles hold the products exactly. */
+static inline float tri_edge_exact(float ax, float ay, float bx, float by)
 {
-    a = __builtin_fabs(a);
-    b = __builtin_fabs(b);
-    c = __builtin_fabs(c);
-    const double m = a > b ? a : b;
-    return m > c ? m : c;
+    return (float)((double)ax * (double)by - (double)ay * (double)bx);
 }
 
-/* Is sum > 0 beyond doubt? sum = e0 z0 + e1 z1 + e2 z2, with the sign of t. When all z_i have the
- * ray's sign there is nothing to doubt: t is their mean with weights of one sign. Else it is held
- * against a bound on its error: M. Pharr, W. Jakob, G. Humphreys, "Physically Based
- * Rendering", 4th ed., section 6.8.7, for our order of operations. With x, y, z the greatest
- * |coordinates|, sheared ones being products x dz: each coordinate passed 4 roundings (relative to
- * x + z, since |dx| <= |dz|), an edge function 2 * 4 + 2, sum 2 * 4 + 2 + 1 + 3 = 14 at most. */
-static inline bool tri_in_front(const struct tri_ray *r, const double x[3], const double y[3],
-                                const double z[3], double sum)
+/* t of the triangle's plane. Differences of floats are exact in double and so are their products, all but
+ * always: t is right to a rounding of float, and its sign is, unless the origin is nearer to
+ * the plane than 1e-15 of the triangle's distance. */
+static inline float tri_plane_t(vec3 origin, vec3 dir, const float v[3][3])
 {
-    const double s = r->dz > 0 ? 1 : -1;
-    if (s * z[0] > 0 && s * z[1] > 0 && s * z[2] > 0)
-        return true;
-    const double d = __builtin_fabs(r->dz), mz = tri_max3(z[0], z[1], z[2]);
-    const double mx = tri_max3(x[0], x[1], x[2]) + 2 * d * mz;
-    const double my = tri_max3(y[0], y[1], y[2]) + 2 * d * mz;
-    return sum > 14 * 0x1p-53 * (3 * 2 * mx * my * mz);
-}
-
-/* Both faces; 0 < t <= t_max: among equals the caller decides. Comparisons are written so that a NaN
- * is a miss. *hit is changed even by a miss. */
-static inline bool tri_hit(const struct tri_ray *r, const float v[3][3], float t_max,
-                           struct ray_hit *hit)
-{
-    double x[3], y[3], z[3];
-    for (int i = 0; i < 3; i++) {
-        z[i] = (double)v[i][r->z] - r->oz;
-        x[i] = ((double)v[i][r->x] - r->ox) * r->dz - z[i] * r->dx;
-        y[i] = ((double)v[i][r->y] - r->oy) * r->dz - z[i] * r->dy;
+    double a[3], e[3], f[3], height = 0, speed = 0;
+    for (int k = 0; k < 3; k++) {
+        a[k] = (double)v[0][k] - (double)origin[k];
+        e[k] = (double)v[1][k] - (double)v[0][k];
+        f[k] = (double)v[2][k] - (double)v[0][k];
     }
-    const double e0 = tri_edge(x[1], y[1], x[2], y[2]);
-    const double e1 = tri_edge(x[2], y[2], x[0], y[0]);
-    const double e2 = tri_edge(x[0], y[0], x[1], y[1]);
+    for (int k = 0; k < 3; k++) {
+        const int i = k == 2 ? 0 : k + 1, j = k == 0 ? 2 : k - 1;
+        const double n = e[i] * f[j] - e[j] * f[i];
+        height += n * a[k];
+        speed += n * (double)dir[k];
+    }
+    return (float)(height / speed);
+}
+
+static inline void tri_bounds(const float v[3][3], float lo[3], float hi[3])
+{
+    for (int k = 0; k < 3; k++) {
+        lo[k] = hi[k] = v[0][k];
+        for (int i = 1; i < 3; i++) {
+            lo[k] = v[i][k] < lo[k] ? v[i][k] : lo[k];
+            hi[k] = v[i][k] > hi[k] ? v[i][k] : hi[k];
+        }
+    }
+}
+
+/* Both faces. Comparisons are written so that a NaN is a miss. t == t_max is accepted: the caller
+ * decides among equals. */
+static inline bool tri_hit(const struct tri_ray *r, const float v[3][3], struct tri_found *out)
+{
+    const vec3 a = vec3_load(v[0]) - r->origin;
+    const vec3 b = vec3_load(v[1]) - r->origin;
+    const vec3 c = vec3_load(v[2]) - r->origin;
+    const float ax = a[r->kx] - r->sx * a[r->kz], ay = a[r->ky] - r->sy * a[r->kz];
+    const float bx = b[r->kx] - r->sx * b[r->kz], by = b[r->ky] - r->sy * b[r->kz];
+    const float cx = c[r->kx] - r->sx * c[r->kz], cy = c[r->ky] - r->sy * c[r->kz];
+    float e0 = tri_edge(cx, cy, bx, by);
+    float e1 = tri_edge(ax, ay, cx, cy);
+    float e2 = tri_edge(bx, by, ax, ay);
+    if (e0 == 0 || e1 == 0 || e2 == 0) {
+        e0 = tri_edge_exact(cx, cy, bx, by);
+        e1 = tri_edge_exact(ax, ay, cx, cy);
+        e2 = tri_edge_exact(bx, by, ax, ay);
+    }
     if ((e0 < 0 || e1 < 0 || e2 < 0) && (e0 > 0 || e1 > 0 || e2 > 0))
         return false;
-    const double det = e0 + e1 + e2;
-    const double sum = e0 * z[0] + e1 * z[1] + e2 * z[2];
-    const double t = sum / (det * r->dz); /* NaN or infinite when det is 0 */
-    hit->t = (float)t;
-    if (!(hit->t > 0 && hit->t <= t_max))
+    const float det = e0 + e1 + e2;
+    if (det == 0) /* seen edge-on */
         return false;
-    if (!tri_in_front(r, x, y, z, __builtin_fabs(sum)))
+    const float t = tri_plane_t(r->origin, r->dir, v);
+    if (!(t > 0 && t <= r->t_max))
         return false;
-    hit->u = (float)(e1 / det);
-    hit->v = (float)(e2 / det);
+    *out = (struct tri_found){t, e1 / det, e2 / det};
     return true;
 }
 
