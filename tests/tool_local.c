@@ -1,5 +1,5 @@
-/* tool_local SCENE OUT.exr [--threads N] [--tile N]: renders to the document's spp in this one process
- * and prints the image's digest. What farms are compared with, and the baseline of bench/.
+/* tool_local SCENE OUT.exr [--threads N] [--tile N]: renders to the document's spp in this one
+ * process and prints the image's digest. What farms are compared with, and the baseline of bench/.
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <stdlib.h>

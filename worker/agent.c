@@ -13,13 +13,13 @@
 #include "worker/held.h"
 
 enum {
-    ASK_WAIT_MS = 20000,   /* long poll */
+    ASK_WAIT_MS = 20000,     /* long poll */
     REFUSED_WAIT_MS = 10000, /* after an answer that will not change soon */
-    MOST_DELIVERIES = 4,   /* at once */
-    GRACE_MS = 2000,       /* for passes that are being rendered when a signal comes */
-    GIVE_UP_MS = 3000,     /* after that, for the last calls */
+    MOST_DELIVERIES = 4,     /* at once */
+    GRACE_MS = 2000,         /* for passes that are being rendered when a signal comes */
+    GIVE_UP_MS = 3000,       /* after that, for the last calls */
     IDLE_WAIT_MS = 30000,
-    LOADS = 4096,          /* more scenes than anybody can submit while one is prepared */
+    LOADS = 4096, /* more scenes than anybody can submit while one is prepared */
 };
 
 enum agent_phase {
@@ -32,17 +32,17 @@ struct agent {
     struct link *link;
     struct loader *loader;
     struct held held;
-    int event_fd;              /* something is in one of the two */
-    struct mailbox *rendered;  /* struct pass */
-    struct mailbox *loaded;    /* struct load */
+    int event_fd;             /* something is in one of the two */
+    struct mailbox *rendered; /* struct pass */
+    struct mailbox *loaded;   /* struct load */
     enum agent_phase phase;
-    uint32_t target;           /* passes not yet finished that we want to hold */
-    uint32_t asked;            /* leases that calls under way may bring */
-    bool asking;               /* a long poll is under way */
-    bool told_draining;        /* we said so, and take it back before we go */
-    bool refused;              /* the last ask was: said once in the log */
-    int64_t ask_ms;            /* not before */
-    int64_t abandon_ms, give_up_ms; /* STOPPING */
+    uint32_t target;                    /* passes not yet finished that we want to hold */
+    uint32_t asked;                     /* leases that calls under way may bring */
+    bool asking;                        /* a long poll is under way */
+    bool told_draining;                 /* we said so, and take it back before we go */
+    bool refused;                       /* the last ask was: said once in the log */
+    int64_t ask_ms;                     /* not before */
+    int64_t abandon_ms, give_up_ms;     /* STOPPING */
     uint64_t delivered, returned, lost; /* leases */
 };
 

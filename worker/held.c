@@ -44,8 +44,8 @@ void held_return(struct pass *p, const char *kind, const char *reason)
 
 static bool inside(struct tile_rect r, const struct scene_film *f)
 {
-    return r.x_begin >= f->crop_x_begin && r.x_end <= f->crop_x_end && r.y_begin >= f->crop_y_begin &&
-           r.y_end <= f->crop_y_end;
+    return r.x_begin >= f->crop_x_begin && r.x_end <= f->crop_x_end &&
+           r.y_begin >= f->crop_y_begin && r.y_end <= f->crop_y_end;
 }
 
 /* A WAITING pass, whose scene may have become ready. */

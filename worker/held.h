@@ -11,7 +11,7 @@ struct held {
     struct pass *first; /* oldest first */
     struct stages stages;
     struct pool *pool;
-    uint64_t cpu_us;    /* of all passes that came back from the pool */
+    uint64_t cpu_us; /* of all passes that came back from the pool */
 };
 
 struct pass *held_find(const struct held *, const char *id);
@@ -22,7 +22,7 @@ void held_accept(struct held *, const struct link_lease *, int64_t now_ms);
 /* A lease that is not wanted: RETURN. */
 void held_decline(struct held *, const struct link_lease *);
 
-void held_loaded(struct held *, struct load *); /* the loader gave it back: passes may go on */
+void held_loaded(struct held *, struct load *);   /* the loader gave it back: passes may go on */
 void held_rendered(struct held *, struct pass *); /* the pool gave it back */
 
 /* kind, reason: as link_return's. */
