@@ -25,7 +25,7 @@ enum {
     FILM_MAX_KEYS = 16,
 };
 
-/* A sample that came out negative or not finite: it counts as black and can be traced again. */
+/* A sample that came out negative, not finite or above 2^102: it counts as black and can be traced again. */
 struct film_key {
     uint32_t x_px, y_px, sample;
 };

@@ -136,8 +136,10 @@ static void contradictions(void)
     refuse(j, w, ERR_PROTOCOL, "fewer samples");
     j->row.settled = true;
     j->row.target.spp = 40;
-    w = fake_job_payload(in_order(), 3, 3, 0, &arena);
+    struct job *other = in_order();
+    w = fake_job_payload(other, 3, 3, 0, &arena);
     w.job = good.job;
+    job_free(other);
     refuse(j, w, ERR_CONFLICT, "a pass leased before the job settled on less");
     job_free(j);
     arena_release(&arena);

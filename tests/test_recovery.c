@@ -336,7 +336,7 @@ static void failing(void)
     int status = 0;
     submit(id, 8, "{\"spp\": 8}");
     for (int i = 0; i < 3; i++) {
-        char name[8];
+        char name[16];
         snprintf(name, sizeof name, "bad%d", i);
         json_t *root = lease_call(name, 1, 0);
         snprintf(target, sizeof target, "/v1/leases/%s",

@@ -14,7 +14,7 @@
 #include "tests/tap.h"
 
 static const double pi = 3.14159265358979323846;
-static const double gate = STAT_SLOW == 1 ? 0.005 : 0.1;
+static const double gate = STAT_SLOW == 1 ? 0.005 : 0.25;
 static const double z_accept = 3.9, z_detect = 3.9 + 2.33;
 
 static void judge(struct scenes_mean m, double truth, const char *name)

@@ -259,8 +259,12 @@ static void add_lights(struct plan *p)
     }
 }
 
-/* Chosen in proportion to power; all alike when none has any (no emitter can be left out, since a
- * black one would not be there). */
+/* The table of floats has this many steps that are all exact. */
+enum { PICK_STEPS = 1 << 24 };
+
+/* Chosen in proportion to power; all alike when none has any. Every emitter gets a step of the table,
+ * however weak it is: one that is never chosen would be missing, since nothing else finds a point
+ * or a distant light. (More than 2^23 emitters are surfaces, which directions find, too.) */
 static void pick_emitters(struct plan *p)
 {
     const uint64_t n = p->head.emitters.count;
@@ -268,14 +272,14 @@ static void pick_emitters(struct plan *p)
     for (uint64_t i = 0; i < n; i++)
         total += p->power[i];
     const bool usable = total > 0 && total - total == 0;
+    const uint64_t reserved = n <= PICK_STEPS / 2 ? 1 : 0;
     for (uint64_t i = 0; i < n; i++) {
-        const double pick = usable ? p->power[i] / total : 1 / (double)n;
-        p->emitters[i].pick = (float)pick;
-        sum += pick;
-        p->pick_cdf[i + 1] = (float)sum;
+        sum += usable ? p->power[i] / total : 1 / (double)n;
+        const double share = (double)(PICK_STEPS - reserved * n) * (sum < 1 ? sum : 1);
+        const uint64_t steps = i + 1 < n ? (uint64_t)share + reserved * (i + 1) : PICK_STEPS;
+        p->pick_cdf[i + 1] = (float)steps / (float)PICK_STEPS;
+        p->emitters[i].pick = p->pick_cdf[i + 1] - p->pick_cdf[i];
     }
-    if (n)
-        p->pick_cdf[n] = 1;
 }
 
 /* --- camera --- */
