@@ -13,7 +13,7 @@ static const char usage[] =
     "R, G, B, e = 1 % of B's mean), the same without the worst 0.1 % of pixels, and the\n"
     "largest difference.\n"
     "\n"
-    "  --tolerance T   a relMSE up to T is good enough (0: only identical images are)\n"
+    "  --tolerance T   a relMSE up to T is good enough (without: only identical images are)\n"
     "  --json          one JSON object\n"
     "\n"
     "Exit status: 0 identical or within the tolerance, 1 they differ, 2 wrong usage, 3 a file\n"
