@@ -26,8 +26,8 @@ bool cmd_parse(const struct cmd_spec *spec, int argc, char *const *args, const c
     const size_t count = min_size(spec->flag_count, MAX_FLAGS - 1);
     for (size_t i = 0; i < count; i++)
         table[i] = spec->flags[i];
-    table[count] = (struct flags_entry){
-        .name = "help", .kind = FLAGS_SWITCH, .value = &help, .letter = 'h'};
+    table[count] =
+        (struct flags_entry){.name = "help", .kind = FLAGS_SWITCH, .value = &help, .letter = 'h'};
     const bool good = flags_parse(table, count + 1, argc, args, operands, spec->operand_most,
                                   operand_count, &err);
     *status = CMD_OK;

@@ -1,7 +1,7 @@
 /* cmd.h - the commands of `smalti`, and what they share: flags, usage, exit status.
  *
- * A command takes the arguments after its own name and returns the program's exit status. Its usage text
- * stands in its own file.
+ * A command takes the arguments after its own name and returns the program's exit status. Its usage
+ * text stands in its own file.
  * SPDX-License-Identifier: MIT */
 #ifndef CLIENT_CMD_H
 #define CLIENT_CMD_H
@@ -13,7 +13,7 @@
 
 enum cmd_status {
     CMD_OK = 0,
-    CMD_FAILED = 1,      /* the job failed or was cancelled; images differ */
+    CMD_FAILED = 1, /* the job failed or was cancelled; images differ */
     CMD_USAGE = 2,
     CMD_INPUT = 3,       /* the scene, image or id given is not valid */
     CMD_UNREACHABLE = 4, /* no answer from the coordinator */

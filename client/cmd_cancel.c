@@ -8,8 +8,8 @@ static const char usage[] =
     "\n"
     "  --server URL     ($SMALTI_SERVER, or http://127.0.0.1:7080)\n"
     "\n"
-    "Exit status: 0 cancelled, 1 no such job, or it has ended, 2 wrong usage, 4 the coordinator does\n"
-    "not answer.\n";
+    "Exit status: 0 cancelled, 1 no such job, or it has ended, 2 wrong usage, 4 the\n"
+    "coordinator does not answer.\n";
 
 int cmd_cancel(int argc, char *const *args)
 {

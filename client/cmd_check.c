@@ -9,7 +9,8 @@
 static const char usage[] =
     "Usage: smalti check SCENE [--json]\n"
     "Reads a scene and the meshes it names and prints everything that is wrong with them, one\n"
-    "'FILE: PLACE: TEXT' a line; PLACE is a JSON pointer, or line and column of a syntax error.\n"
+    "'FILE: PLACE: TEXT' a line; PLACE is a JSON pointer, or line and column of a syntax\n"
+    "error.\n"
     "\n"
     "  --json   {\"valid\": true or false, \"errors\": [{\"pointer\", \"detail\"}, ...]}\n"
     "\n"
@@ -19,8 +20,8 @@ static void print_json(const struct scene_errors *errors)
 {
     json_t *list = json_array();
     for (size_t i = 0; i < errors->count; i++)
-        json_array_append_new(list, json_pack("{s:s, s:s}", "pointer", errors->list[i].where, "detail",
-                                              errors->list[i].what));
+        json_array_append_new(list, json_pack("{s:s, s:s}", "pointer", errors->list[i].where,
+                                              "detail", errors->list[i].what));
     json_t *root = json_pack("{s:b, s:o}", "valid", errors->count == 0, "errors", list);
     json_dumpf(root, stdout, JSON_COMPACT);
     putchar('\n');
@@ -32,7 +33,8 @@ static void print_summary(const struct scene_disk *d, uint32_t unread)
     uint64_t triangles = 0;
     for (uint32_t i = 0; i < d->scene.mesh_count; i++)
         triangles += d->scene.meshes[i].triangle_count;
-    printf("valid: %u x %u pixels, %u shapes, %u meshes with %llu triangles, %u materials, %u lights\n",
+    printf("valid: %u x %u pixels, %u shapes, %u meshes with %llu triangles, %u materials, %u "
+           "lights\n",
            d->scene.film.width_px, d->scene.film.height_px, d->scene.shape_count,
            d->scene.mesh_count, (unsigned long long)triangles, d->scene.material_count,
            d->scene.light_count);

@@ -9,14 +9,15 @@
 
 static const char usage[] =
     "Usage: smalti diff A.exr B.exr [--tolerance T] [--json]\n"
-    "How far A is from the reference B: relMSE (mean of (a-b)^2 / (b^2 + e^2) over pixels and R, G, B,\n"
-    "e = 1 % of B's mean), the same without the worst 0.1 % of pixels, and the largest difference.\n"
+    "How far A is from the reference B: relMSE (mean of (a-b)^2 / (b^2 + e^2) over pixels and\n"
+    "R, G, B, e = 1 % of B's mean), the same without the worst 0.1 % of pixels, and the\n"
+    "largest difference.\n"
     "\n"
-    "  --tolerance T   a relMSE up to T is good enough (0: only identical images are)\n"
+    "  --tolerance T   a relMSE up to T is good enough (without: only identical images are)\n"
     "  --json          one JSON object\n"
     "\n"
-    "Exit status: 0 identical or within the tolerance, 1 they differ, 2 wrong usage, 3 a file cannot\n"
-    "be compared.\n";
+    "Exit status: 0 identical or within the tolerance, 1 they differ, 2 wrong usage, 3 a file\n"
+    "cannot be compared.\n";
 
 /* JSON has no infinity: null. */
 static json_t *number(double v)
@@ -27,11 +28,11 @@ static json_t *number(double v)
 
 static void print_json(const struct diff *d)
 {
-    json_t *root = json_pack("{s:b, s:o, s:o, s:f, s:[i, i], s:s%, s:f, s:f}", "identical",
-                             d->identical, "relmse", number(d->relmse), "relmse_99_9",
-                             number(d->relmse_999), "largest", d->largest, "at", (int)d->x_px,
-                             (int)d->y_px, "channel", &d->channel, (size_t)1, "a", d->x_value, "b",
-                             d->y_value);
+    json_t *root =
+        json_pack("{s:b, s:o, s:o, s:f, s:[i, i], s:s%, s:f, s:f}", "identical", d->identical,
+                  "relmse", number(d->relmse), "relmse_99_9", number(d->relmse_999), "largest",
+                  d->largest, "at", (int)d->x_px, (int)d->y_px, "channel", &d->channel, (size_t)1,
+                  "a", d->x_value, "b", d->y_value);
     if (root)
         json_dumpf(root, stdout, JSON_REAL_PRECISION(9));
     putchar('\n');

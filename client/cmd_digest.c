@@ -6,9 +6,9 @@
 
 static const char usage[] =
     "Usage: smalti digest X.exr ...\n"
-    "Prints the SHA-256 of the file's pixels: of every channel's name, type and values and the size\n"
-    "of the image. Attributes and compression do not take part, so equal images have equal digests.\n"
-    "With several files each line ends with the file's name.\n"
+    "Prints the SHA-256 of the file's pixels: of every channel's name, type and values and\n"
+    "the size of the image. Attributes and compression do not take part, so equal images have\n"
+    "equal digests. With several files each line ends with the file's name.\n"
     "Exit status: 0 printed, 2 wrong usage, 3 a file is not an image.\n";
 
 enum { FILES_MOST = 1024 };

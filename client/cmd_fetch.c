@@ -13,8 +13,8 @@ static const char usage[] =
     "  --png               the preview instead: 8 bits, sRGB\n"
     "  --server URL        ($SMALTI_SERVER, or http://127.0.0.1:7080)\n"
     "\n"
-    "Exit status: 0 fetched, 1 no such job or no image yet, 2 wrong usage, 4 the coordinator does not\n"
-    "answer, 5 the file cannot be written.\n";
+    "Exit status: 0 fetched, 1 no such job or no image yet, 2 wrong usage, 4 the coordinator\n"
+    "does not answer, 5 the file cannot be written.\n";
 
 int cmd_fetch(int argc, char *const *args)
 {

@@ -27,8 +27,8 @@ static const char usage[] =
     "  --json              at the end one JSON object on stdout: the job, and where its image is\n"
     "\n"
     "Ctrl-C ends it and leaves the best image so far.\n"
-    "Exit status: 0 done, 1 failed, 2 wrong usage, 3 the scene is not valid, 5 the system failed,\n"
-    "130 interrupted (the image is there unless nothing had been rendered).\n";
+    "Exit status: 0 done, 1 failed, 2 wrong usage, 3 the scene is not valid, 5 the system\n"
+    "failed, 130 interrupted (the image is there unless nothing had been rendered).\n";
 
 struct render {
     const char *scene_file, *output;
@@ -52,25 +52,26 @@ static void choose_output(struct render *r)
     const char *name = slash ? slash + 1 : r->scene_file;
     const char *dot = strrchr(name, '.');
     const int length = dot && dot > name ? (int)(dot - name) : (int)strlen(name);
-    snprintf(r->output_default, sizeof r->output_default, "%.*s.exr", (int)min_i64(length, 500), name);
+    snprintf(r->output_default, sizeof r->output_default, "%.*s.exr", (int)min_i64(length, 500),
+             name);
     if (!r->output)
         r->output = r->output_default;
 }
 
 static bool parse(struct render *r, int argc, char *const *args, int *status)
 {
+    struct scene_target *target = &r->target;
+    struct local_plan *plan = &r->plan;
     const struct flags_entry flags[] = {
-        {.name = "output", .kind = FLAGS_TEXT, .value = &r->output, .letter = 'o'},
-        {.name = "spp", .kind = FLAGS_COUNT, .value = &r->target.spp, .least = 1, .most = SCENE_MAX_SPP},
-        {.name = "error", .kind = FLAGS_NUMBER, .value = &r->target.error, .least = 1e-5, .most = 1},
-        {.name = "seconds", .kind = FLAGS_NUMBER, .value = &r->target.seconds, .least = .01, .most = 1e7},
-        {.name = "workers", .kind = FLAGS_COUNT, .value = &r->plan.workers, .least = 1,
-         .most = LOCAL_MAX_WORKERS},
-        {.name = "threads", .kind = FLAGS_COUNT, .value = &r->plan.threads, .least = 1, .most = 1024},
-        {.name = "tile", .kind = FLAGS_COUNT, .value = &r->plan.tile_px, .least = TILE_MIN_PX,
-         .most = TILE_MAX_PX},
-        {.name = "quiet", .kind = FLAGS_SWITCH, .value = &r->quiet, .letter = 'q'},
-        {.name = "json", .kind = FLAGS_SWITCH, .value = &r->json},
+        {"output", FLAGS_TEXT, &r->output, 0, 0, 'o'},
+        {"spp", FLAGS_COUNT, &target->spp, 1, SCENE_MAX_SPP, 0},
+        {"error", FLAGS_NUMBER, &target->error, 1e-5, 1, 0},
+        {"seconds", FLAGS_NUMBER, &target->seconds, .01, 1e7, 0},
+        {"workers", FLAGS_COUNT, &plan->workers, 1, LOCAL_MAX_WORKERS, 0},
+        {"threads", FLAGS_COUNT, &plan->threads, 1, 1024, 0},
+        {"tile", FLAGS_COUNT, &plan->tile_px, TILE_MIN_PX, TILE_MAX_PX, 0},
+        {"quiet", FLAGS_SWITCH, &r->quiet, 0, 0, 'q'},
+        {"json", FLAGS_SWITCH, &r->json, 0, 0, 0},
     };
     const struct cmd_spec spec = {"render", usage, flags, countof(flags), 1, 1};
     size_t operands;
@@ -111,8 +112,7 @@ static bool submit(struct render *r, struct err *err)
     const char *json = scene_disk_send(&r->scene, &r->arena);
     if (r->target.spp || r->target.error > 0 || r->target.seconds > 0)
         json = upload_retarget(json, &r->target, &r->arena);
-    return remote_open(&r->remote, r->farm.url, err) &&
-           upload_assets(&r->remote, &r->scene, err) &&
+    return remote_open(&r->remote, r->farm.url, err) && upload_assets(&r->remote, &r->scene, err) &&
            remote_submit(&r->remote, json, strlen(json), 0, &r->job, NULL, err);
 }
 

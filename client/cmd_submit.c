@@ -8,19 +8,19 @@
 
 static const char usage[] =
     "Usage: smalti submit SCENE [OPTION]...\n"
-    "Sends a scene to a coordinator, after the mesh files it does not have yet, and prints the job's\n"
-    "id.\n"
+    "Sends a scene to a coordinator, after the mesh files it does not have yet, and prints\n"
+    "the job's id.\n"
     "\n"
     "  --server URL     ($SMALTI_SERVER, or http://127.0.0.1:7080)\n"
     "  --priority N     -100 to 100, higher first (0)\n"
     "  --wait           follow the job until it ends; Ctrl-C leaves it running\n"
     "  --json           the job as JSON, with --wait a line per change\n"
     "\n"
-    "Exit status: 0 accepted (with --wait: done), 1 the job failed or was cancelled, 2 wrong usage,\n"
-    "3 the scene is not valid, 4 the coordinator does not answer, 130 interrupted.\n";
+    "Exit status: 0 accepted (with --wait: done), 1 the job failed or was cancelled, 2 wrong\n"
+    "usage, 3 the scene is not valid, 4 the coordinator does not answer, 130 interrupted.\n";
 
-static int submit(struct remote *remote, const struct scene_disk *scene, int32_t priority, bool json,
-                  bool wait, struct arena *arena)
+static int submit(struct remote *remote, const struct scene_disk *scene, int32_t priority,
+                  bool json, bool wait, struct arena *arena)
 {
     struct remote_job job;
     struct buf answer = {0};

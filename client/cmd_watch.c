@@ -11,8 +11,8 @@ static const char usage[] =
     "  --server URL     ($SMALTI_SERVER, or http://127.0.0.1:7080)\n"
     "  --json           a line of JSON on stdout for every change\n"
     "\n"
-    "Exit status: 0 done, 1 failed, cancelled or no such job, 2 wrong usage, 4 the coordinator does\n"
-    "not answer for a minute, 130 interrupted.\n";
+    "Exit status: 0 done, 1 failed, cancelled or no such job, 2 wrong usage, 4 the\n"
+    "coordinator does not answer for a minute, 130 interrupted.\n";
 
 int cmd_watch(int argc, char *const *args)
 {

@@ -24,10 +24,10 @@ static bool find_planes(const struct image *image, struct planes *p, struct err 
         p->channel[c] = found->pixels;
         for (size_t i = 0; i < p->pixels; i++)
             if (!isfinite(p->channel[c][i]))
-                return err_set(err, ERR_INPUT, "pixel (%zu, %zu) has %s = %g; expected finite values",
-                               image->window.x_begin + i % p->width,
-                               image->window.y_begin + i / p->width, names[c],
-                               (double)p->channel[c][i]);
+                return err_set(
+                    err, ERR_INPUT, "pixel (%zu, %zu) has %s = %g; expected finite values",
+                    image->window.x_begin + i % p->width, image->window.y_begin + i / p->width,
+                    names[c], (double)p->channel[c][i]);
     }
     return true;
 }

@@ -22,8 +22,9 @@ struct diff {
     double x_value, y_value;
 };
 
-/* Fails with ERR_INPUT when the sizes differ, R, G or B is missing, or a pixel of them is not finite. */
-bool diff_images(const struct image *x, const struct image *y, struct arena *scratch,
-                 struct diff *, struct err *) MUST_CHECK;
+/* Fails with ERR_INPUT when the sizes differ, R, G or B is missing, or a pixel of them is not
+ * finite. */
+bool diff_images(const struct image *x, const struct image *y, struct arena *scratch, struct diff *,
+                 struct err *) MUST_CHECK;
 
 #endif

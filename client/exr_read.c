@@ -37,8 +37,8 @@ static bool check_channels(const exr_attr_chlist_t *list, struct err *err)
     return true;
 }
 
-static bool read_header(struct reader *r, exr_storage_t *storage, const exr_attr_chlist_t **channels,
-                        struct err *err)
+static bool read_header(struct reader *r, exr_storage_t *storage,
+                        const exr_attr_chlist_t **channels, struct err *err)
 {
     exr_attr_box2i_t display;
     exr_result_t rc = exr_get_storage(r->file, 0, storage);
@@ -61,12 +61,13 @@ static bool read_header(struct reader *r, exr_storage_t *storage, const exr_attr
                        (long long)height, count);
     if (width > INT32_MAX / 4 || height > INT32_MAX / 4 ||
         (uint64_t)width * (uint64_t)height > EXR_READ_MAX_VALUES / (uint64_t)count)
-        return err_set(err, ERR_LIMIT, "%lld x %lld pixels with %d channels are more than %llu values",
-                       (long long)width, (long long)height, count,
-                       (unsigned long long)EXR_READ_MAX_VALUES);
+        return err_set(
+            err, ERR_LIMIT, "%lld x %lld pixels with %d channels are more than %llu values",
+            (long long)width, (long long)height, count, (unsigned long long)EXR_READ_MAX_VALUES);
     r->width = (int32_t)width;
     r->height = (int32_t)height;
-    const int64_t display_width = (int64_t)display.max.x + 1, display_height = (int64_t)display.max.y + 1;
+    const int64_t display_width = (int64_t)display.max.x + 1,
+                  display_height = (int64_t)display.max.y + 1;
     r->image->width_px = (uint32_t)max_i64(display_width, 0);
     r->image->height_px = (uint32_t)max_i64(display_height, 0);
     return check_channels(*channels, err);
@@ -108,7 +109,8 @@ static bool aim(struct reader *r, int32_t x, int32_t y)
         info->user_bytes_per_element = 4;
         info->user_pixel_stride = 4;
         info->user_line_stride = r->width * 4;
-        info->decode_to_ptr = (uint8_t *)to->pixels + 4 * ((size_t)y * (size_t)r->width + (size_t)x);
+        info->decode_to_ptr =
+            (uint8_t *)to->pixels + 4 * ((size_t)y * (size_t)r->width + (size_t)x);
     }
     return true;
 }
@@ -137,8 +139,8 @@ static bool read_lines(struct reader *r, struct err *err)
         return exr_fail(err, "scan lines", rc);
     for (int64_t y = 0; y < r->height; y += step) {
         exr_chunk_info_t chunk;
-        const exr_result_t found = exr_read_scanline_chunk_info(
-            r->file, 0, (int)(r->data.min.y + y), &chunk);
+        const exr_result_t found =
+            exr_read_scanline_chunk_info(r->file, 0, (int)(r->data.min.y + y), &chunk);
         if (found)
             return exr_fail(err, "scan lines", found);
         if (!read_chunk(r, &chunk, 0, (int32_t)y, err))

@@ -137,9 +137,9 @@ static bool start_coordinator(struct local *l, uint32_t tile_px, struct err *err
     snprintf(announce, sizeof announce, "%s/address", l->dir);
     snprintf(log, sizeof log, "%s/smaltid.log", l->dir);
     snprintf(tile, sizeof tile, "%u", tile_px);
-    const char *const args[] = {"--port",     "0",      "--state",                    state,
-                                "--announce", announce, tile_px ? "--tile" : NULL, tile,
-                                NULL};
+    const char *const args[] = {
+        "--port", "0", "--state", state, "--announce", announce, tile_px ? "--tile" : NULL,
+        tile,     NULL};
     if (!start_program("smaltid", args, log, &l->coordinator, err))
         return false;
     for (const int64_t until = clock_ms() + START_MS; !read_address(l, announce);) {
@@ -159,7 +159,7 @@ static bool start_worker(struct local *l, uint32_t i, uint32_t threads, struct e
     snprintf(log, sizeof log, "%s/worker-%u.log", l->dir, i + 1);
     snprintf(count, sizeof count, "%u", threads);
     snprintf(name, sizeof name, "worker-%u", i + 1);
-    const char *const args[] = {"--server", l->url,  "--threads", count, "--cache",
+    const char *const args[] = {"--server", l->url,   "--threads", count, "--cache",
                                 cache,      "--name", name,        NULL};
     return start_program("smalti-worker", args, log, &l->workers[i], err);
 }
@@ -197,7 +197,8 @@ static void show_tail(const char *path, const char *name, FILE *out)
         for (int lines = 0; begin > 0; begin--)
             if (text.data[begin - 1] == '\n' && begin < text.size && ++lines == TAIL_LINES)
                 break;
-        fprintf(out, "--- %s\n%.*s", name, (int)(text.size - begin), (const char *)text.data + begin);
+        fprintf(out, "--- %s\n%.*s", name, (int)(text.size - begin),
+                (const char *)text.data + begin);
     }
     buf_release(&text);
 }
@@ -225,8 +226,9 @@ static void remove_inside(int fd, int nesting)
             continue;
         if (!unlinkat(dirfd(dir), d->d_name, 0) || nesting == 0)
             continue;
-        remove_inside(openat(dirfd(dir), d->d_name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC),
-                      nesting - 1);
+        remove_inside(
+            openat(dirfd(dir), d->d_name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC),
+            nesting - 1);
         unlinkat(dirfd(dir), d->d_name, AT_REMOVEDIR);
     }
     if (dir)

@@ -1,8 +1,8 @@
 /* local.h - a coordinator and workers of our own, for one render: processes on this machine with a
  * state directory under $TMPDIR that is removed at the end.
  *
- * The processes die with us, however we die (PR_SET_PDEATHSIG). They are no terminal's business: Ctrl-C
- * reaches us alone. What they log is kept until the end and shown when something went wrong.
+ * The processes die with us, however we die (PR_SET_PDEATHSIG). They are no terminal's business:
+ * Ctrl-C reaches us alone. What they log is kept until the end and shown when something went wrong.
  * SPDX-License-Identifier: MIT */
 #ifndef CLIENT_LOCAL_H
 #define CLIENT_LOCAL_H
@@ -20,9 +20,9 @@ struct local_plan {
 };
 
 struct local {
-    char dir[256];             /* "" when there is none */
-    char url[128];             /* the coordinator's */
-    pid_t coordinator;         /* 0: not running */
+    char dir[256];                    /* "" when there is none */
+    char url[128];                    /* the coordinator's */
+    pid_t coordinator;                /* 0: not running */
     pid_t workers[LOCAL_MAX_WORKERS]; /* 0: not running */
     uint32_t worker_count;
 };

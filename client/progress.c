@@ -65,7 +65,7 @@ struct progress progress_make(FILE *out, bool quiet)
 {
     return (struct progress){
         .out = out,
-        .style = quiet                  ? PROGRESS_QUIET
+        .style = quiet                 ? PROGRESS_QUIET
                  : isatty(fileno(out)) ? PROGRESS_MOVING
                                        : PROGRESS_PLAIN,
     };

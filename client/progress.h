@@ -13,7 +13,7 @@ struct progress {
     FILE *out;
     enum progress_style style;
     enum remote_state last_state;
-    int64_t last_ms; /* of the last plain line */
+    int64_t last_ms;       /* of the last plain line */
     bool started, on_line; /* on_line: the cursor stands behind a moving line */
 };
 
@@ -22,7 +22,8 @@ struct progress progress_make(FILE *out, bool quiet);
 void progress_show(struct progress *, const struct remote_job *, int64_t now_ms);
 void progress_end(struct progress *); /* leaves the cursor on a fresh line */
 
-/* " 43 %  110 spp  error 0.041  1.20 Msamples/s  2 workers  0:41 left". What is not known is left out. */
+/* " 43 %  110 spp  error 0.041  1.20 Msamples/s  2 workers  0:41 left". What is not known is left
+ * out. */
 void progress_text(const struct remote_job *, char *out, size_t bytes);
 
 #endif

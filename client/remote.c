@@ -1,4 +1,5 @@
-/* jansson: every tree is owned by the function that parses it and released there; members are borrowed.
+/* jansson: every tree is owned by the function that parses it and released there; members are
+ * borrowed.
  * SPDX-License-Identifier: MIT */
 #include "client/remote.h"
 

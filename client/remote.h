@@ -1,8 +1,8 @@
 /* remote.h - a coordinator, as the CLI sees it (docs/http.md).
  *
  * What it answers is checked before use; text in it is only ever printed.
- * Errors: ERR_IO no answer (or 5xx), ERR_NOT_FOUND, ERR_CONFLICT, ERR_INPUT what we sent was refused,
- * ERR_PROTOCOL the answer makes no sense.
+ * Errors: ERR_IO no answer (or 5xx), ERR_NOT_FOUND, ERR_CONFLICT, ERR_INPUT what we sent was
+ * refused, ERR_PROTOCOL the answer makes no sense.
  * SPDX-License-Identifier: MIT */
 #ifndef CLIENT_REMOTE_H
 #define CLIENT_REMOTE_H
@@ -30,10 +30,10 @@ struct remote_job {
     char id[17];
     char title[129];
     enum remote_state state;
-    double progress;     /* of the nearest target, 0 to 1 */
-    double error;        /* < 0: not known yet */
-    double rate;         /* samples per second; < 0: not known */
-    double eta_seconds;  /* < 0: not known */
+    double progress;    /* of the nearest target, 0 to 1 */
+    double error;       /* < 0: not known yet */
+    double rate;        /* samples per second; < 0: not known */
+    double eta_seconds; /* < 0: not known */
     double elapsed_seconds, cpu_seconds;
     uint32_t spp, target_spp, workers;
     uint64_t samples, invalid_samples;
@@ -51,7 +51,8 @@ bool remote_is_over(enum remote_state);
 /* Each fills `job` and, when not NULL, appends the JSON as it came to `json`. */
 bool remote_submit(struct remote *, const char *document, size_t bytes, int32_t priority,
                    struct remote_job *job, struct buf *json, struct err *) MUST_CHECK;
-bool remote_cancel(struct remote *, const char *id, struct remote_job *job, struct err *) MUST_CHECK;
+bool remote_cancel(struct remote *, const char *id, struct remote_job *job,
+                   struct err *) MUST_CHECK;
 /* etag: in and out, "" at first; *changed false: as before, `job` is untouched. */
 bool remote_look(struct remote *, const char *id, char etag[80], bool *changed,
                  struct remote_job *job, struct buf *json, struct err *) MUST_CHECK;
@@ -65,7 +66,8 @@ bool remote_fetch(struct remote *, const char *id, const char *what, struct buf 
                   struct err *) MUST_CHECK;
 
 /* Assets, by the SHA-256 of their bytes. */
-bool remote_has_asset(struct remote *, const char hex[HASH_HEX], bool *here, struct err *) MUST_CHECK;
+bool remote_has_asset(struct remote *, const char hex[HASH_HEX], bool *here,
+                      struct err *) MUST_CHECK;
 bool remote_put_asset(struct remote *, const char hex[HASH_HEX], const struct buf *bytes,
                       struct err *) MUST_CHECK;
 

@@ -36,7 +36,8 @@ bool upload_assets(struct remote *r, const struct scene_disk *scene, struct err 
     return true;
 }
 
-const char *upload_retarget(const char *json, const struct scene_target *target, struct arena *arena)
+const char *upload_retarget(const char *json, const struct scene_target *target,
+                            struct arena *arena)
 {
     json_t *root = json_loads(json, 0, NULL); /* it has been parsed before: it is an object */
     json_t *settings = json_object_get(root, "settings");

@@ -25,7 +25,7 @@ struct watch {
     bool json;             /* also a line of JSON per change on stdout */
     struct remote_job job; /* as last seen */
     char etag[80];
-    int64_t nap_ms;        /* between two looks */
+    int64_t nap_ms;          /* between two looks */
     int64_t silent_since_ms; /* 0: the last look was answered */
 };
 

@@ -1,8 +1,8 @@
 /* flags.h - command-line flags to variables, by a table.
  *
  * `--name VALUE`, `--name=VALUE` and, where a letter is given, `-l VALUE`; `--` ends the flags.
- * Operands may stand between flags. A flag that is not in the table, a missing or an unreadable value
- * is ERR_INPUT, and the text names the nearest flag there is.
+ * Operands may stand between flags. A flag that is not in the table, a missing or an unreadable
+ * value is ERR_INPUT, and the text names the nearest flag there is.
  * SPDX-License-Identifier: MIT */
 #ifndef COMMON_FLAGS_H
 #define COMMON_FLAGS_H
@@ -26,8 +26,8 @@ struct flags_entry {
     char letter;        /* 0: none */
 };
 
-/* args: argc strings after the program's (or command's) name. Operands are put into `operands` in order;
- * more than operand_max of them is an error. */
+/* args: argc strings after the program's (or command's) name. Operands are put into `operands` in
+ * order; more than operand_max of them is an error. */
 bool flags_parse(const struct flags_entry *table, size_t count, int argc, char *const *args,
                  const char **operands, size_t operand_max, size_t *operand_count,
                  struct err *) MUST_CHECK;

@@ -59,8 +59,8 @@ static bool check_url(const char *url, size_t length, struct err *err)
     curl_free(user);
     curl_free(path);
     curl_url_cleanup(parsed);
-    return good || err_set(err, ERR_INPUT, "expected an address like http://127.0.0.1:7080, got '%s'",
-                           url);
+    return good ||
+           err_set(err, ERR_INPUT, "expected an address like http://127.0.0.1:7080, got '%s'", url);
 }
 
 struct http_client *http_client_new(const char *url, struct err *err)

@@ -17,10 +17,10 @@
 struct http_client; /* opaque, heap */
 
 struct http_client_request {
-    const char *method;        /* "GET" */
-    const char *path;          /* "/v1/jobs?limit=2" */
-    const char *content_type;  /* NULL: no body */
-    const void *body;          /* borrowed until the call is over */
+    const char *method;       /* "GET" */
+    const char *path;         /* "/v1/jobs?limit=2" */
+    const char *content_type; /* NULL: no body */
+    const void *body;         /* borrowed until the call is over */
     size_t body_bytes;
     const char *if_none_match; /* an ETag, or NULL */
     size_t max_bytes;          /* of the answer's body */

@@ -28,7 +28,7 @@ void http_problem_text(int status, const struct buf *body, char *out, size_t out
 }
 
 bool http_problem_entry(const struct buf *body, size_t index, char *pointer, size_t pointer_bytes,
-                   char *detail, size_t detail_bytes)
+                        char *detail, size_t detail_bytes)
 {
     json_t *root = parse(body);
     const json_t *entry = json_array_get(json_object_get(root, "errors"), index);

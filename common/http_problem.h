@@ -10,6 +10,6 @@ void http_problem_text(int status, const struct buf *body, char *out, size_t out
 
 /* Entry `index` of the answer's "errors", its strings cut to fit; false: there are no more. */
 bool http_problem_entry(const struct buf *body, size_t index, char *pointer, size_t pointer_bytes,
-                   char *detail, size_t detail_bytes);
+                        char *detail, size_t detail_bytes);
 
 #endif

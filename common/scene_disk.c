@@ -37,7 +37,8 @@ bool scene_disk_open(struct scene_disk *d, const char *path, struct arena *arena
     *errors = (struct scene_errors){0};
     if (!buf_read_file(&bytes, path, SCENE_MAX_BYTES, &err)) {
         buf_release(&bytes);
-        const size_t named = strlen(path) + 2; /* "PATH: ": whoever prints it says the file's name */
+        const size_t named =
+            strlen(path) + 2; /* "PATH: ": whoever prints it says the file's name */
         return fail(errors, arena, err.code, "", err.text + min_size(named, strlen(err.text)));
     }
     char *json = arena_new(arena, char, bytes.size + 1);

@@ -13,7 +13,8 @@
 #include "common/scene.h"
 
 struct scene_disk_asset {
-    const char *path; /* of the mesh's file, as it can be opened; NULL: inline, or an asset's name only */
+    const char
+        *path; /* of the mesh's file, as it can be opened; NULL: inline, or an asset's name only */
     char hex[HASH_HEX]; /* SHA-256 of the file; set by scene_disk_load */
     uint64_t bytes;
 };

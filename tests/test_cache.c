@@ -1,4 +1,5 @@
-/* cache.c: what comes out is what was put in or nothing; the bound holds; other files are left alone.
+/* cache.c: what comes out is what was put in or nothing; the bound holds; other files are left
+ * alone.
  * SPDX-License-Identifier: MIT */
 #include "worker/cache.h"
 

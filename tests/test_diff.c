@@ -10,10 +10,13 @@
 static struct image make(uint32_t width, uint32_t height, float value, struct arena *arena)
 {
     static const char *const names[] = {"B", "G", "R"};
-    struct image image = {.window = {0, 0, width, height}, .width_px = width, .height_px = height,
-                          .channels = arena_new(arena, struct image_channel, 3), .channel_count = 3};
+    struct image image = {.window = {0, 0, width, height},
+                          .width_px = width,
+                          .height_px = height,
+                          .channels = arena_new(arena, struct image_channel, 3),
+                          .channel_count = 3};
     for (size_t c = 0; c < 3; c++) {
-        float *pixels = arena_new(arena, float, (size_t)width * height);
+        float *pixels = arena_new(arena, float, (size_t)width *height);
         for (size_t i = 0; i < (size_t)width * height; i++)
             pixels[i] = value;
         image.channels[c] = (struct image_channel){names[c], IMAGE_FLOAT32, pixels};
@@ -44,7 +47,8 @@ static void metrics(struct arena *arena)
        "the largest difference is found where it is");
 
     const struct image dark = make(40, 50, 0, arena), other = make(40, 50, 0, arena);
-    ok(diff_images(&dark, &other, arena, &d, &err) && d.relmse == 0, "two black images do not differ");
+    ok(diff_images(&dark, &other, arena, &d, &err) && d.relmse == 0,
+       "two black images do not differ");
     ok(diff_images(&x, &dark, arena, &d, &err) && isinf(d.relmse),
        "against black everything is infinitely wrong");
 

@@ -1,5 +1,5 @@
-/* The coordinator's EXR writer against the CLI's reader: the same pixels, bit for bit; damaged files
- * are errors.
+/* The coordinator's EXR writer against the CLI's reader: the same pixels, bit for bit; damaged
+ * files are errors.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <stdio.h>
@@ -21,8 +21,8 @@ static struct image noise(struct tile_rect window, uint32_t width_px, uint32_t h
     struct film film;
     struct arena scratch = {0};
     film_init(&film, window);
-    struct film_samples s =
-        film_samples_make(window, (struct tile_pass){0, 5}, &scratch); /* 5 spp: error is infinite */
+    struct film_samples s = film_samples_make(window, (struct tile_pass){0, 5},
+                                              &scratch); /* 5 spp: error is infinite */
     uint32_t state = 12345;
     for (size_t i = 0; i < (size_t)tile_rect_pixels(window) * FILM_CHANNELS; i++) {
         state = state * 1664525 + 1013904223;
@@ -39,8 +39,12 @@ static bool write_image(const struct image *image, enum image_packing packing, s
 {
     char hex[HASH_HEX];
     image_digest(image, hex);
-    const struct image_facts facts = {.job = "5f0c9b1e8a7d6c34", .document = hex, .target = "{}",
-                                      .digest = hex, .error = INFINITY, .spp = 5};
+    const struct image_facts facts = {.job = "5f0c9b1e8a7d6c34",
+                                      .document = hex,
+                                      .target = "{}",
+                                      .digest = hex,
+                                      .error = INFINITY,
+                                      .spp = 5};
     return image_write_exr(image, &facts, packing, path, err);
 }
 

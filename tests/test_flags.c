@@ -24,7 +24,11 @@ static bool parse(struct values *v, struct err *err, int argc, const char *const
         {.name = "quiet", .kind = FLAGS_SWITCH, .value = &v->quiet, .letter = 'q'},
         {.name = "output", .kind = FLAGS_TEXT, .value = &v->output, .letter = 'o'},
         {.name = "spp", .kind = FLAGS_COUNT, .value = &v->spp, .least = 1, .most = 1000},
-        {.name = "priority", .kind = FLAGS_SIGNED, .value = &v->priority, .least = -100, .most = 100},
+        {.name = "priority",
+         .kind = FLAGS_SIGNED,
+         .value = &v->priority,
+         .least = -100,
+         .most = 100},
         {.name = "cache-bytes", .kind = FLAGS_BYTES, .value = &v->bytes, .most = 0x1p53},
         {.name = "error", .kind = FLAGS_NUMBER, .value = &v->error, .least = 1e-5, .most = 1},
     };
@@ -44,7 +48,7 @@ static bool parse(struct values *v, struct err *err, int argc, const char *const
     return good;
 }
 
-#define PARSE(v, e, ...)                                                                            \
+#define PARSE(v, e, ...)                                                                           \
     parse(v, e, (int)countof(((const char *[]){__VA_ARGS__})), (const char *[]){__VA_ARGS__})
 
 static void understood(void)
@@ -88,8 +92,8 @@ static void refused(void)
     struct values v;
     struct err e;
     for (size_t i = 0; i < countof(cases); i++)
-        if (!ok(!parse(&v, &e, 2, cases[i].args) && !strcmp(e.text, cases[i].text), "refused: %s %s",
-                cases[i].args[0], cases[i].args[1]))
+        if (!ok(!parse(&v, &e, 2, cases[i].args) && !strcmp(e.text, cases[i].text),
+                "refused: %s %s", cases[i].args[0], cases[i].args[1]))
             diag("got: %s", e.text);
     ok(!PARSE(&v, &e, "--spp") && !strcmp(e.text, "--spp: its value is missing"),
        "refused: a flag without its value");

@@ -1,4 +1,5 @@
-/* link.c: what a worker makes of answers, good, hostile and absent, against a server of canned answers.
+/* link.c: what a worker makes of answers, good, hostile and absent, against a server of canned
+ * answers.
  * SPDX-License-Identifier: MIT */
 #include "worker/link.h"
 
@@ -92,9 +93,10 @@ static struct link_event wait_for(struct link *l)
 }
 
 #define DOCUMENT "c93283b149a433bddc5c2f5d005366f4be19c07e741265595f6502875f02b2c9"
-#define LEASE(rect, samples)                                                                        \
-    "{\"lease\": \"00a1b2c300000007\", \"job\": \"5f0c9b1e8a7d6c34\", \"document\": \"" DOCUMENT     \
-    "\", \"tile\": 12, \"rect\": " rect ", \"pass\": 3, \"samples\": " samples ", \"ttl_ms\": 30000}"
+#define LEASE(rect, samples)                                                                       \
+    "{\"lease\": \"00a1b2c300000007\", \"job\": \"5f0c9b1e8a7d6c34\", \"document\": \"" DOCUMENT   \
+    "\", \"tile\": 12, \"rect\": " rect ", \"pass\": 3, \"samples\": " samples                     \
+    ", \"ttl_ms\": 30000}"
 #define GOOD_LEASE LEASE("[256, 64, 320, 128]", "[32, 64]")
 
 static void good_answers(struct canned *c, struct link *l)
@@ -135,7 +137,8 @@ static void good_answers(struct canned *c, struct link *l)
     set_answer(c, "204 No Content", "");
     link_return(l, "00a1b2c300000007", "worker", "cut \xc3"); /* half a character */
     e = wait_for(l);
-    ok(e.kind == LINK_RETURN && e.status == 204, "a lease is handed back, whatever the reason's bytes");
+    ok(e.kind == LINK_RETURN && e.status == 204,
+       "a lease is handed back, whatever the reason's bytes");
 }
 
 static void hostile_answers(struct canned *c, struct link *l)
@@ -172,8 +175,9 @@ static void hostile_answers(struct canned *c, struct link *l)
 
 static void refusals(struct canned *c, struct link *l)
 {
-    set_answer(c, "409 Conflict", "{\"title\": \"Conflict\", \"status\": 409, \"detail\": \"version: this "
-                                  "coordinator is 0.2.0\"}");
+    set_answer(c, "409 Conflict",
+               "{\"title\": \"Conflict\", \"status\": 409, \"detail\": \"version: this "
+               "coordinator is 0.2.0\"}");
     link_ask(l, 1, 0);
     const struct link_event e = wait_for(l);
     ok(e.status == 409 && !strcmp(e.text, "409: version: this coordinator is 0.2.0"),
@@ -221,8 +225,9 @@ int main(void)
     back_off(&canned, l);
     link_ask(l, 1, 20000);
     link_free(l); /* with a call under way */
-    static const char *const bad[] = {"", "127.0.0.1:7080", "ftp://127.0.0.1/", "http://", "http://h/x",
-                                      "http://h:99999", "http://u:p@h/", "http://h/?q"};
+    static const char *const bad[] = {
+        "",           "127.0.0.1:7080", "ftp://127.0.0.1/", "http://",
+        "http://h/x", "http://h:99999", "http://u:p@h/",    "http://h/?q"};
     for (size_t i = 0; i < countof(bad); i++)
         ok(!link_new(bad[i], "w", 1, &err) && err.code == ERR_INPUT, "no address: '%s'", bad[i]);
     shutdown(canned.listener, SHUT_RDWR);

@@ -18,8 +18,13 @@ static void texts(void)
 {
     struct remote_job job = {.state = REMOTE_QUEUED, .error = -1, .rate = -1, .eta_seconds = -1};
     says(&job, "  0 %  0 spp");
-    job = (struct remote_job){.state = REMOTE_RUNNING, .progress = 0.437, .error = 0.0412, .rate = 1.204e6,
-                              .eta_seconds = 41.2, .spp = 110, .workers = 2};
+    job = (struct remote_job){.state = REMOTE_RUNNING,
+                              .progress = 0.437,
+                              .error = 0.0412,
+                              .rate = 1.204e6,
+                              .eta_seconds = 41.2,
+                              .spp = 110,
+                              .workers = 2};
     says(&job, " 43 %  110 spp  error 0.0412  1.20 Msamples/s  2 workers  0:41 left");
     job.workers = 1;
     job.rate = 73400;
@@ -28,7 +33,8 @@ static void texts(void)
     job.progress = 0.99999;
     job.eta_seconds = 1e30;
     says(&job, " 99 %  110 spp  error 0.0412  73.4 ksamples/s  1 worker  27777:46:40 left");
-    job = (struct remote_job){.state = REMOTE_DONE, .progress = 1, .error = 0, .spp = 256, .eta_seconds = 0};
+    job = (struct remote_job){
+        .state = REMOTE_DONE, .progress = 1, .error = 0, .spp = 256, .eta_seconds = 0};
     says(&job, "100 %  256 spp  error 0");
     job.progress = 0 * -1e308 * 10;
     says(&job, "  0 %  256 spp  error 0");

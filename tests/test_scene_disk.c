@@ -1,4 +1,5 @@
-/* scene_disk.c: files are found beside their document, and what is wrong with them is said with its place.
+/* scene_disk.c: files are found beside their document, and what is wrong with them is said with its
+ * place.
  * SPDX-License-Identifier: MIT */
 #include "common/scene_disk.h"
 
@@ -21,11 +22,12 @@ static const char *write_file(const char *name, const char *text)
     return path;
 }
 
-static const char head[] = "{\"smalti\": 1, \"film\": {\"width\": 8, \"height\": 8}, \"camera\": {\"type\": "
-                           "\"perspective\", \"fov_deg\": 40, \"look_at\": {\"from\": [0, 0, 5], \"to\": [0, "
-                           "0, 0]}}, \"materials\": {\"m\": {\"type\": \"diffuse\", \"albedo\": [0.5, 0.5, "
-                           "0.5]}}, \"shapes\": [{\"type\": \"sphere\", \"material\": \"m\", \"center\": [0, "
-                           "0, 0], \"radius\": 1}, {\"type\": \"mesh\", \"material\": \"m\", ";
+static const char head[] =
+    "{\"smalti\": 1, \"film\": {\"width\": 8, \"height\": 8}, \"camera\": {\"type\": "
+    "\"perspective\", \"fov_deg\": 40, \"look_at\": {\"from\": [0, 0, 5], \"to\": [0, "
+    "0, 0]}}, \"materials\": {\"m\": {\"type\": \"diffuse\", \"albedo\": [0.5, 0.5, "
+    "0.5]}}, \"shapes\": [{\"type\": \"sphere\", \"material\": \"m\", \"center\": [0, "
+    "0, 0], \"radius\": 1}, {\"type\": \"mesh\", \"material\": \"m\", ";
 static const char triangle[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
 static const char *scene_with(const char *mesh)
@@ -54,7 +56,8 @@ static void reads_beside(struct arena *arena)
     hash_hex(triangle, strlen(triangle), hex);
     const bool good = scene_disk_open(&d, scene_with("\"file\": \"part.obj\""), arena, &errors) &&
                       scene_disk_load(&d, arena, &unread, &errors);
-    ok(good && d.scene.meshes[0].triangle_count == 1 && !unread, "a mesh is read beside its document");
+    ok(good && d.scene.meshes[0].triangle_count == 1 && !unread,
+       "a mesh is read beside its document");
     ok(good && !strcmp(d.assets[0].hex, hex), "and named by its SHA-256");
     const char *sent = good ? scene_disk_send(&d, arena) : "";
     struct scene scene;

@@ -10,18 +10,16 @@
 #include <unistd.h>
 
 #include "common/clock.h"
-#include "worker/link.h"
-#include "worker/pool.h"
-#include "worker/stages.h"
+#include "worker/held.h"
 
 enum {
-    ASK_WAIT_MS = 20000,   /* long poll */
+    ASK_WAIT_MS = 20000,     /* long poll */
     REFUSED_WAIT_MS = 10000, /* after an answer that will not change soon */
-    MOST_DELIVERIES = 4,   /* at once */
-    GRACE_MS = 2000,       /* for passes that are being rendered when a signal comes */
-    GIVE_UP_MS = 3000,     /* after that, for the last calls */
+    MOST_DELIVERIES = 4,     /* at once */
+    GRACE_MS = 2000,         /* for passes that are being rendered when a signal comes */
+    GIVE_UP_MS = 3000,       /* after that, for the last calls */
     IDLE_WAIT_MS = 30000,
-    LOADS = 4096,          /* more scenes than anybody can submit while one is prepared */
+    LOADS = 4096, /* more scenes than anybody can submit while one is prepared */
 };
 
 enum agent_phase {
@@ -31,131 +29,22 @@ enum agent_phase {
 };
 
 struct agent {
-    const struct args *args;
     struct link *link;
-    struct pool *pool;
     struct loader *loader;
-    struct stages stages;
-    int event_fd;              /* something is in one of the two */
-    struct mailbox *rendered;  /* struct pass */
-    struct mailbox *loaded;    /* struct load */
-    struct pass *passes;       /* all that are held */
+    struct held held;
+    int event_fd;             /* something is in one of the two */
+    struct mailbox *rendered; /* struct pass */
+    struct mailbox *loaded;   /* struct load */
     enum agent_phase phase;
-    uint32_t target;           /* passes not yet finished that we want to hold */
-    uint32_t asked;            /* leases that calls under way may bring */
-    bool asking;               /* a long poll is under way */
-    bool told_draining;        /* we said so, and take it back before we go */
-    bool refused;              /* the last ask was: said once in the log */
-    int64_t ask_ms;            /* not before */
-    int64_t abandon_ms, give_up_ms; /* STOPPING */
-    uint64_t delivered, returned, lost, cpu_us;
+    uint32_t target;                    /* passes not yet finished that we want to hold */
+    uint32_t asked;                     /* leases that calls under way may bring */
+    bool asking;                        /* a long poll is under way */
+    bool told_draining;                 /* we said so, and take it back before we go */
+    bool refused;                       /* the last ask was: said once in the log */
+    int64_t ask_ms;                     /* not before */
+    int64_t abandon_ms, give_up_ms;     /* STOPPING */
+    uint64_t delivered, returned, lost; /* leases */
 };
-
-/* ----------------------------------------------------------------- passes */
-
-static struct pass *find(const struct agent *a, const char *id)
-{
-    struct pass *p = a->passes;
-    while (p && strcmp(p->lease.id, id) != 0)
-        p = p->next;
-    return p;
-}
-
-static uint32_t count(const struct agent *a, enum pass_state from, enum pass_state to)
-{
-    uint32_t n = 0;
-    for (const struct pass *p = a->passes; p; p = p->next)
-        n += p->state >= from && p->state <= to;
-    return n;
-}
-
-static void remove_pass(struct agent *a, struct pass *pass)
-{
-    struct pass **at = &a->passes;
-    while (*at != pass)
-        at = &(*at)->next;
-    *at = pass->next;
-    if (pass->held)
-        stages_drop(&a->stages, pass->held);
-    buf_release(&pass->payload);
-    free(pass);
-}
-
-static void set_return(struct pass *p, const char *kind, const char *reason)
-{
-    p->state = PASS_RETURN;
-    p->fault_kind = kind;
-    snprintf(p->fault, sizeof p->fault, "%s", reason);
-}
-
-/* Nobody wants it any more, or it is to be handed back: as soon as the pool lets go of it. */
-static void abandon(struct agent *a, struct pass *p, bool forget)
-{
-    p->forget |= forget;
-    if (p->state == PASS_POOLED)
-        atomic_store(&p->abandon, true);
-    else if (forget && p->state != PASS_DELIVERING && p->state != PASS_RETURNING)
-        remove_pass(a, p);
-    else if (p->state == PASS_WAITING)
-        set_return(p, NULL, "");
-}
-
-static bool inside(struct tile_rect r, const struct scene_film *f)
-{
-    return r.x_begin >= f->crop_x_begin && r.x_end <= f->crop_x_end && r.y_begin >= f->crop_y_begin &&
-           r.y_end <= f->crop_y_end;
-}
-
-/* A WAITING pass, whose scene may have become ready. */
-static void advance(struct agent *a, struct pass *p)
-{
-    const struct load *load = p->held->load;
-    if (p->held->loading)
-        return;
-    if (!load->done) {
-        set_return(p, load->fault_kind, load->err.text);
-        return;
-    }
-    if (!inside(p->lease.rect, &load->stage->film)) {
-        set_return(p, "worker", "the lease's rectangle is outside the document's crop window");
-        return;
-    }
-    p->stage = load->stage;
-    p->state = PASS_POOLED;
-    pool_submit(a->pool, p);
-}
-
-static void accept(struct agent *a, const struct link_lease *lease, int64_t now_ms)
-{
-    if (find(a, lease->id))
-        return; /* granted twice: one is enough */
-    struct pass *p = arena_malloc(1, sizeof *p);
-    p->lease = *lease;
-    atomic_init(&p->abandon, false);
-    p->renew_ms = now_ms + lease->ttl_ms / 3;
-    struct pass **last = &a->passes;
-    while (*last)
-        last = &(*last)->next;
-    *last = p;
-    p->state = PASS_WAITING;
-    if (a->phase != AGENT_WORKING) {
-        set_return(p, NULL, "");
-        return;
-    }
-    p->held = stages_hold(&a->stages, lease->document);
-    advance(a, p);
-}
-
-static void take_back(struct agent *a, struct pass *p)
-{
-    a->cpu_us += p->cpu_us;
-    if (p->forget)
-        remove_pass(a, p);
-    else if (p->finished)
-        p->state = PASS_DONE;
-    else
-        set_return(p, NULL, "");
-}
 
 static void empty_mailboxes(struct agent *a)
 {
@@ -163,15 +52,12 @@ static void empty_mailboxes(struct agent *a)
     if (eventfd_read(a->event_fd, &pushes))
         return; /* nothing in there */
     for (struct pass *p; (p = mailbox_try_pop(a->rendered));)
-        take_back(a, p);
+        held_rendered(&a->held, p);
     for (struct load *load; (load = mailbox_try_pop(a->loaded));) {
         if (!load->done)
             log_error("scene_failed document=%.12s kind=%s reason=\"%s\"", load->document,
                       load->fault_kind, load->err.text);
-        stages_loaded(&a->stages, load);
-        for (struct pass *p = a->passes; p; p = p->next)
-            if (p->state == PASS_WAITING)
-                advance(a, p);
+        held_loaded(&a->held, load);
     }
 }
 
@@ -179,14 +65,14 @@ static void empty_mailboxes(struct agent *a)
 
 static uint32_t missing(const struct agent *a)
 {
-    const uint32_t have = count(a, PASS_WAITING, PASS_POOLED) + a->asked;
+    const uint32_t have = held_count(&a->held, PASS_WAITING, PASS_POOLED) + a->asked;
     return a->phase == AGENT_WORKING && have < a->target ? a->target - have : 0;
 }
 
 /* By a long poll. Once finished passes pile up, delivering them comes first. */
 static uint32_t to_ask(const struct agent *a)
 {
-    if (a->asking || count(a, PASS_DONE, PASS_DONE) >= a->target)
+    if (a->asking || held_count(&a->held, PASS_DONE, PASS_DONE) >= a->target)
         return 0;
     return min_u32(missing(a), LINK_MAX_LEASES);
 }
@@ -202,7 +88,7 @@ static void start_call(struct agent *a, struct pass *p, int64_t now_ms)
         }
         return;
     case PASS_DONE:
-        if (count(a, PASS_DELIVERING, PASS_DELIVERING) < MOST_DELIVERIES) {
+        if (held_count(&a->held, PASS_DELIVERING, PASS_DELIVERING) < MOST_DELIVERIES) {
             const uint32_t want = min_u32(missing(a), LINK_MAX_LEASES);
             p->state = PASS_DELIVERING;
             a->asked += want;
@@ -223,7 +109,7 @@ static void start_calls(struct agent *a, int64_t now_ms)
 {
     if (!link_is_open(a->link, now_ms))
         return;
-    for (struct pass *p = a->passes; p; p = p->next)
+    for (struct pass *p = a->held.first; p; p = p->next)
         start_call(a, p, now_ms);
     const uint32_t want = to_ask(a); /* what deliveries under way do not bring */
     if (want && now_ms >= a->ask_ms) {
@@ -240,13 +126,9 @@ static void drain(struct agent *a, enum agent_phase phase, int64_t now_ms)
     if (a->phase >= phase)
         return;
     log_info("%s held=%u", phase == AGENT_STOPPING ? "stop" : "drain",
-             count(a, PASS_WAITING, PASS_RETURNING));
+             held_count(&a->held, PASS_WAITING, PASS_RETURNING));
     a->phase = phase;
-    for (struct pass *p; (p = pool_take_back(a->pool));)
-        take_back(a, p);
-    for (struct pass *p = a->passes; p; p = p->next)
-        if (p->state == PASS_WAITING)
-            set_return(p, NULL, "");
+    held_abandon_unbegun(&a->held);
     if (phase != AGENT_STOPPING)
         return;
     a->abandon_ms = now_ms + GRACE_MS;
@@ -260,7 +142,10 @@ static void drain(struct agent *a, enum agent_phase phase, int64_t now_ms)
 static void take_leases(struct agent *a, const struct link_event *e, int64_t now_ms)
 {
     for (uint32_t i = 0; i < e->lease_count; i++)
-        accept(a, &e->leases[i], now_ms);
+        if (a->phase == AGENT_WORKING)
+            held_accept(&a->held, &e->leases[i], now_ms);
+        else
+            held_decline(&a->held, &e->leases[i]);
     if (e->drain)
         drain(a, AGENT_DRAINING, now_ms);
 }
@@ -283,7 +168,7 @@ static void on_ask(struct agent *a, const struct link_event *e, int64_t now_ms)
 
 static void on_renew(struct agent *a, const struct link_event *e, int64_t now_ms)
 {
-    struct pass *p = find(a, e->id);
+    struct pass *p = held_find(&a->held, e->id);
     if (!p)
         return;
     p->renewing = false;
@@ -294,21 +179,21 @@ static void on_renew(struct agent *a, const struct link_event *e, int64_t now_ms
         log_warn("lease_lost lease=%s job=%s tile=%u pass=%u reason=\"%s\"", p->lease.id,
                  p->lease.job, p->lease.tile, p->lease.pass_index, e->text);
         if (p->state == PASS_WAITING || p->state == PASS_POOLED)
-            abandon(a, p, true);
+            held_forget(&a->held, p);
     }
 }
 
 /* The job takes no more: whatever else is held of it goes back. */
 static void abandon_job(struct agent *a, const char job[LINK_ID])
 {
-    for (struct pass *p = a->passes; p; p = p->next)
+    for (struct pass *p = a->held.first; p; p = p->next)
         if (!strcmp(p->lease.job, job))
-            abandon(a, p, false);
+            held_abandon(p);
 }
 
 static void on_deliver(struct agent *a, const struct link_event *e, int64_t now_ms)
 {
-    struct pass *p = find(a, e->id);
+    struct pass *p = held_find(&a->held, e->id);
     assert(p && p->state == PASS_DELIVERING);
     a->asked -= e->wanted;
     if (e->status / 100 == 2) {
@@ -316,20 +201,20 @@ static void on_deliver(struct agent *a, const struct link_event *e, int64_t now_
         log_debug("delivered lease=%s job=%s tile=%u pass=%u cpu_us=%llu invalid=%llu result=%s",
                   p->lease.id, p->lease.job, p->lease.tile, p->lease.pass_index,
                   (unsigned long long)p->cpu_us, (unsigned long long)p->invalid_count, e->result);
-        remove_pass(a, p);
+        held_remove(&a->held, p);
         take_leases(a, e, now_ms);
     } else if (e->status == 409) {
         log_info("job_ended job=%s reason=\"%s\"", p->lease.job, e->text);
         abandon_job(a, p->lease.job);
-        remove_pass(a, p);
+        held_remove(&a->held, p);
     } else if (e->status == 404) {
         log_warn("delivery_late lease=%s job=%s reason=\"%s\"", p->lease.id, p->lease.job, e->text);
         a->lost++;
-        remove_pass(a, p);
+        held_remove(&a->held, p);
     } else if (e->status / 100 == 4) {
         log_error("delivery_refused lease=%s job=%s tile=%u pass=%u reason=\"%s\"", p->lease.id,
                   p->lease.job, p->lease.tile, p->lease.pass_index, e->text);
-        set_return(p, "worker", e->text);
+        held_return(p, "worker", e->text);
     } else {
         p->state = PASS_DONE; /* again, when the link is open */
     }
@@ -337,11 +222,11 @@ static void on_deliver(struct agent *a, const struct link_event *e, int64_t now_
 
 static void on_return(struct agent *a, const struct link_event *e)
 {
-    struct pass *p = find(a, e->id);
+    struct pass *p = held_find(&a->held, e->id);
     assert(p && p->state == PASS_RETURNING);
     if (e->status / 100 == 2 || e->status / 100 == 4) {
         a->returned++;
-        remove_pass(a, p);
+        held_remove(&a->held, p);
     } else {
         p->state = PASS_RETURN;
     }
@@ -385,9 +270,8 @@ static void stop_slow_passes(struct agent *a, int64_t now_ms)
 {
     if (a->phase != AGENT_STOPPING || now_ms < a->abandon_ms)
         return;
-    for (struct pass *p = a->passes; p; p = p->next)
-        if (p->state == PASS_POOLED)
-            abandon(a, p, false);
+    for (struct pass *p = a->held.first; p; p = p->next)
+        held_abandon(p);
 }
 
 static bool is_over(struct agent *a, int64_t now_ms)
@@ -396,7 +280,7 @@ static bool is_over(struct agent *a, int64_t now_ms)
         return false;
     if (a->phase == AGENT_STOPPING && now_ms >= a->give_up_ms)
         return true;
-    if (a->passes || a->asking)
+    if (a->held.first || a->asking)
         return false;
     if (a->told_draining) { /* or the next process of this name would be sent home */
         a->told_draining = false;
@@ -410,7 +294,7 @@ static int64_t wait_ms(const struct agent *a, int64_t now_ms)
 {
     const int64_t opens_ms = link_is_open(a->link, now_ms) ? now_ms : link_opens_ms(a->link);
     int64_t until = now_ms + IDLE_WAIT_MS;
-    for (const struct pass *p = a->passes; p; p = p->next) {
+    for (const struct pass *p = a->held.first; p; p = p->next) {
         if ((p->state == PASS_WAITING || p->state == PASS_POOLED) && !p->renewing && !p->forget)
             until = min_i64(until, max_i64(p->renew_ms, opens_ms));
         if ((p->state == PASS_DONE || p->state == PASS_RETURN) && opens_ms > now_ms)
@@ -445,21 +329,21 @@ static int finish(struct agent *a)
 {
     log_info("end delivered=%llu returned=%llu lost=%llu cpu_s=%.2f idle_s=%.2f",
              (unsigned long long)a->delivered, (unsigned long long)a->returned,
-             (unsigned long long)a->lost, (double)a->cpu_us * 1e-6,
-             (double)pool_idle_ms(a->pool) * 1e-3);
+             (unsigned long long)a->lost, (double)a->held.cpu_us * 1e-6,
+             (double)pool_idle_ms(a->held.pool) * 1e-3);
     if (!loader_stop(a->loader, 200))
         _exit(0); /* in the middle of preparing a scene that nobody waits for */
     for (struct load *load; (load = mailbox_try_pop(a->loaded));)
-        stages_loaded(&a->stages, load);
-    for (struct pass *p = a->passes; p; p = p->next)
+        stages_loaded(&a->held.stages, load);
+    for (struct pass *p = a->held.first; p; p = p->next)
         atomic_store(&p->abandon, true);
-    pool_free(a->pool);
-    while (mailbox_try_pop(a->rendered))
-        ; /* they are in the list as well */
+    pool_free(a->held.pool);
+    for (struct pass *p; (p = mailbox_try_pop(a->rendered));)
+        held_rendered(&a->held, p);
     link_free(a->link);
-    while (a->passes)
-        remove_pass(a, a->passes);
-    stages_release(&a->stages);
+    while (a->held.first)
+        held_remove(&a->held, a->held.first);
+    stages_release(&a->held.stages);
     mailbox_free(a->rendered);
     mailbox_free(a->loaded);
     close(a->event_fd);
@@ -468,7 +352,7 @@ static int finish(struct agent *a)
 
 int agent_run(const struct args *args, const struct cache *cache, int signal_fd)
 {
-    struct agent a = {.args = args, .target = 2 * args->threads};
+    struct agent a = {.target = 2 * args->threads};
     struct err err;
     a.link = link_new(args->server, args->name, args->threads, &err);
     if (!a.link) {
@@ -481,8 +365,8 @@ int agent_run(const struct args *args, const struct cache *cache, int signal_fd)
     a.loader = loader_new(args, cache, LOADS, a.loaded, &err);
     if (a.event_fd < 0 || !a.loader)
         abort(); /* the address has just been accepted: the machine is full */
-    a.stages = (struct stages){.loader = a.loader, .most_bytes = args->stage_bytes};
-    a.pool = pool_new(args->threads, a.target, a.rendered);
+    a.held.stages = (struct stages){.loader = a.loader, .most_bytes = args->stage_bytes};
+    a.held.pool = pool_new(args->threads, a.target, a.rendered);
     loop(&a, signal_fd);
     return finish(&a);
 }

@@ -11,8 +11,8 @@
 #include "worker/args.h"
 #include "worker/cache.h"
 
-/* Until a signal arrives at signal_fd (a signalfd), or the coordinator drains this worker. The program's
- * exit status. */
+/* Until a signal arrives at signal_fd (a signalfd), or the coordinator drains this worker. The
+ * program's exit status. */
 int agent_run(const struct args *, const struct cache *, int signal_fd);
 
 #endif

@@ -26,8 +26,9 @@ static const char help[] =
     "SIGTERM or SIGINT: what is nearly finished is delivered, the rest handed back.\n"
     "Exit status: 0 stopped or drained, 1 the system failed, 2 wrong usage.\n";
 
-static const char name_characters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789"
-                                      "._-";
+static const char name_characters[] =
+    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789"
+    "._-";
 
 static uint32_t cores(void)
 {
@@ -75,7 +76,8 @@ static bool check(const struct args *a, const char *log, enum log_level *level, 
     const size_t length = strlen(a->name);
     if (length > 64 || strspn(a->name, name_characters) != length)
         return err_set(err, ERR_INPUT,
-                       "--name: expected 1 to 64 characters of A-Z a-z 0-9 . _ -, got '%s'", a->name);
+                       "--name: expected 1 to 64 characters of A-Z a-z 0-9 . _ -, got '%s'",
+                       a->name);
     static const char *const levels[] = {"debug", "info", "warn", "error"};
     for (size_t i = 0; i < countof(levels); i++)
         if (!strcmp(log, levels[i])) {

@@ -144,7 +144,8 @@ static void evict(const struct cache *c, uint64_t bytes)
         char path[PATH_ROOM];
         path_of(c, l.entries[i].name, path);
         if (!unlink(path))
-            log_debug("cache_evict file=%s bytes=%llu", path, (unsigned long long)l.entries[i].bytes);
+            log_debug("cache_evict file=%s bytes=%llu", path,
+                      (unsigned long long)l.entries[i].bytes);
         l.bytes -= l.entries[i].bytes;
     }
     free(l.entries);

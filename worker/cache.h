@@ -1,7 +1,7 @@
 /* cache.h - assets on disk, named by the SHA-256 of their bytes.
  *
- * Verified when read, so whatever a crash or another process did to a file costs a download, never a
- * wrong pixel. Several workers may share a directory. Writing is best effort: a full or read-only
+ * Verified when read, so whatever a crash or another process did to a file costs a download, never
+ * a wrong pixel. Several workers may share a directory. Writing is best effort: a full or read-only
  * disk is logged and the worker goes on.
  * One thread at a time per struct.
  * SPDX-License-Identifier: MIT */

@@ -31,7 +31,7 @@ struct link {
     uint32_t threads;
     struct link_call *calls; /* under way */
     uint32_t running;        /* how many those are */
-    int64_t delay_ms;  /* of the back-off; 0: the last answer was good */
+    int64_t delay_ms;        /* of the back-off; 0: the last answer was good */
     int64_t opens_ms;
     uint64_t random;
 };
@@ -99,7 +99,8 @@ static void note_failure(struct link *l, const char *text)
         log_warn("coordinator_lost reason=\"%s\"", text);
     l->delay_ms = l->delay_ms ? min_i64(l->delay_ms * 2, BACKOFF_MOST_MS) : BACKOFF_FIRST_MS;
     l->random = l->random * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-    l->opens_ms = now + l->delay_ms / 2 + (int64_t)((l->random >> 33) % (uint64_t)(l->delay_ms / 2 + 1));
+    l->opens_ms =
+        now + l->delay_ms / 2 + (int64_t)((l->random >> 33) % (uint64_t)(l->delay_ms / 2 + 1));
     log_debug("backoff ms=%lld", (long long)(l->opens_ms - now));
 }
 
@@ -150,8 +151,8 @@ void link_ask(struct link *l, uint32_t want, uint32_t wait_ms)
 {
     struct link_call call = {.kind = LINK_ASK, .wanted = min_u32(want, LINK_MAX_LEASES)};
     call.body = dump(json_pack("{s:s, s:i, s:s, s:i, s:i}", "worker", l->name, "threads",
-                               (int)l->threads, "version", SMALTI_VERSION, "want",
-                               (int)call.wanted, "wait_ms", (int)wait_ms));
+                               (int)l->threads, "version", SMALTI_VERSION, "want", (int)call.wanted,
+                               "wait_ms", (int)wait_ms));
     start_json(l, call, "POST", "/v1/leases", wait_ms + CALL_MS);
 }
 

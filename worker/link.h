@@ -5,9 +5,8 @@
  * limits of the formats (whether they fit the scene is checked when it is loaded).
  *
  * When no answer comes, or 5xx, the link closes for a while: 0.1 s, doubling to 10 s, each time
- * between half and all of it by chance, so that a farm does not come back all at once. The first answer
- * opens it. Calls may be started only while it is open.
- * One thread at a time.
+ * between half and all of it by chance, so that a farm does not come back all at once. The first
+ * answer opens it. Calls may be started only while it is open. One thread at a time.
  * SPDX-License-Identifier: MIT */
 #ifndef WORKER_LINK_H
 #define WORKER_LINK_H
@@ -20,7 +19,7 @@
 enum { LINK_ID = 17, LINK_MAX_LEASES = 64 };
 
 struct link_lease {
-    char id[LINK_ID];  /* 16 hex digits */
+    char id[LINK_ID]; /* 16 hex digits */
     char job[LINK_ID];
     uint64_t job_number; /* the same as a number */
     char document[HASH_HEX];
@@ -35,12 +34,12 @@ enum link_kind { LINK_ASK, LINK_RENEW, LINK_DELIVER, LINK_RETURN, LINK_STATE };
 
 struct link_event {
     enum link_kind kind;
-    int status;        /* of HTTP; 0: no answer */
-    char id[LINK_ID];  /* RENEW, DELIVER, RETURN: the lease's */
-    uint32_t wanted;   /* ASK, DELIVER: leases that were asked for */
-    bool drain;        /* ASK, DELIVER: finish and go */
-    int64_t ttl_ms;    /* RENEW */
-    char result[16];   /* DELIVER: "merged", "held", "duplicate" */
+    int status;                                /* of HTTP; 0: no answer */
+    char id[LINK_ID];                          /* RENEW, DELIVER, RETURN: the lease's */
+    uint32_t wanted;                           /* ASK, DELIVER: leases that were asked for */
+    bool drain;                                /* ASK, DELIVER: finish and go */
+    int64_t ttl_ms;                            /* RENEW */
+    char result[16];                           /* DELIVER: "merged", "held", "duplicate" */
     struct link_lease leases[LINK_MAX_LEASES]; /* ASK, DELIVER: at most `wanted` */
     uint32_t lease_count;
     char text[512]; /* why, when status is not 2xx */
@@ -58,10 +57,10 @@ uint32_t link_running(const struct link *); /* calls under way */
 
 void link_ask(struct link *, uint32_t want, uint32_t wait_ms);
 void link_renew(struct link *, const char *id);
+/* payload: borrowed until the event comes */
 void link_deliver(struct link *, const char *id, const struct buf *payload, uint32_t want);
-    /* payload: borrowed until the event comes */
+/* kind: "worker", "input", or NULL for a lease that is handed back without fault */
 void link_return(struct link *, const char *id, const char *kind, const char *reason);
-    /* kind: "worker", "input", or NULL for a lease that is handed back without fault */
 void link_state(struct link *, const char *state); /* of this worker: "draining", "active" */
 
 /* As http_client_poll: true, an event. */

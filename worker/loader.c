@@ -46,7 +46,8 @@ static bool download_once(struct loader *l, const char *hex, size_t max_bytes, s
         http_problem_text(reply.status, &reply.body, text, sizeof text);
         err_set(err, reply.status / 100 == 5 ? ERR_IO : ERR_NOT_FOUND, "%s", text);
     } else {
-        hash_hex(reply.body.data ? reply.body.data : (const unsigned char *)"", reply.body.size, found);
+        hash_hex(reply.body.data ? reply.body.data : (const unsigned char *)"", reply.body.size,
+                 found);
         good = !strcmp(found, hex) ||
                err_set(err, ERR_PROTOCOL, "the bytes that came have the SHA-256 %s", found);
     }
@@ -109,7 +110,8 @@ static bool load_document(struct loader *l, struct load *load, struct workshop *
     return fault(load, "input");
 }
 
-static bool load_meshes(struct loader *l, struct load *load, struct workshop *w, struct scene *scene)
+static bool load_meshes(struct loader *l, struct load *load, struct workshop *w,
+                        struct scene *scene)
 {
     for (uint32_t i = 0; i < scene->mesh_count; i++) {
         struct mesh *mesh = &scene->meshes[i];

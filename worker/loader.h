@@ -1,4 +1,5 @@
-/* loader.h - a thread that turns a document's hash into a stage: fetch, parse, read the meshes, prepare.
+/* loader.h - a thread that turns a document's hash into a stage: fetch, parse, read the meshes,
+ * prepare.
  *
  * One after the other, so a scene is prepared once however many passes wait for it, and renewals
  * go on meanwhile on the main thread. Assets come from the disk cache or the coordinator; while
@@ -29,8 +30,8 @@ struct loader *loader_new(const struct args *args, const struct cache *cache, si
                           struct mailbox *done, struct err *err);
 void loader_submit(struct loader *, struct load *);
 
-/* Breaks off what waits for the network. True: the thread has ended, the loader is freed and all loads
- * have come back, some of them not done. False: it was still computing after so many ms. */
+/* Breaks off what waits for the network. True: the thread has ended, the loader is freed and all
+ * loads have come back, some of them not done. False: it was still computing after so many ms. */
 bool loader_stop(struct loader *, int64_t within_ms);
 
 #endif

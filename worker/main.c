@@ -14,7 +14,8 @@ static int open_signals(void)
     sigaddset(&set, SIGTERM);
     sigaddset(&set, SIGINT);
     signal(SIGPIPE, SIG_IGN);
-    return pthread_sigmask(SIG_BLOCK, &set, NULL) ? -1 : signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC);
+    return pthread_sigmask(SIG_BLOCK, &set, NULL) ? -1
+                                                  : signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC);
 }
 
 int main(int argc, char **argv)
@@ -32,7 +33,8 @@ int main(int argc, char **argv)
     }
     log_init("smalti-worker", args.log);
     if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) {
-        log_error("cpu_unsupported reason=\"this build needs a processor with AVX2 and FMA (x86-64-v3)\"");
+        log_error("cpu_unsupported reason=\"this build needs a processor with AVX2 and FMA "
+                  "(x86-64-v3)\"");
         return 1;
     }
     args_log(&args);

@@ -34,10 +34,10 @@ struct pass {
     /* Main thread only, in every state. */
     enum pass_state state;
     struct stages_entry *held; /* keeps the stage; dropped with the pass */
-    int64_t renew_ms;       /* when the lease is to be renewed next */
-    bool renewing;          /* a renewal is under way */
-    bool forget;            /* nobody wants it any more: drop it instead of handing it back */
-    const char *fault_kind; /* RETURN: as link_return; fault says why */
+    int64_t renew_ms;          /* when the lease is to be renewed next */
+    bool renewing;             /* a renewal is under way */
+    bool forget;               /* nobody wants it any more: drop it instead of handing it back */
+    const char *fault_kind;    /* RETURN: as link_return; fault says why */
     char fault[512];
     struct pass *next;
 

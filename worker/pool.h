@@ -1,8 +1,8 @@
 /* pool.h - threads that render passes.
  *
- * A thread owns its scratch arena and shares nothing but the stage, which it only reads. A pass that is
- * submitted comes back through the mailbox given to pool_new, either finished with its payload encoded
- * or, when it was abandoned, unfinished.
+ * A thread owns its scratch arena and shares nothing but the stage, which it only reads. A pass
+ * that is submitted comes back through the mailbox given to pool_new, either finished with its
+ * payload encoded or, when it was abandoned, unfinished.
  * SPDX-License-Identifier: MIT */
 #ifndef WORKER_POOL_H
 #define WORKER_POOL_H

@@ -1,5 +1,5 @@
-/* stages.h - prepared scenes in memory, by document: those in use, and the last used as far as there is
- * room.
+/* stages.h - prepared scenes in memory, by document: those in use, and the last used as far as
+ * there is room.
  *
  * A scene that is not there is given to the loader once, whoever asks meanwhile. One that could not
  * be prepared is forgotten when its last holder lets go, so a later lease tries again.
