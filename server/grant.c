@@ -82,9 +82,10 @@ json_t *grant_leases(struct server *s, struct worker *w, uint32_t want, size_t *
 
 /* ---- the other end ---- */
 
-static void job_fail(struct server *s, struct job *j)
+/* Its target is met: what is still out was a guess at a further round, and no longer matters. */
+static bool is_decided(const struct job *j)
 {
-    server_job_end(s, j, JOB_FAILED);
+    return j->finishing || j->reached;
 }
 
 void grant_expired(struct server *s, struct lease *l)
@@ -95,8 +96,8 @@ void grant_expired(struct server *s, struct lease *l)
              (unsigned long long)l->id, (unsigned long long)j->row.id, tile, pass, l->worker->name);
     server_lease_end(s, l);
     s->news = true;
-    if (!job_pass_expired(j, tile, pass))
-        job_fail(s, j);
+    if (!job_pass_expired(j, tile, pass) && !is_decided(j))
+        server_job_end(s, j, JOB_FAILED);
 }
 
 void grant_returned(struct server *s, struct lease *l)
@@ -119,12 +120,14 @@ void grant_failed(struct server *s, struct lease *l, const char *reason)
     server_lease_end(s, l);
     j->row.returned++;
     s->news = true;
-    if (!job_pass_failed(j, tile, pass, worker, reason, s->now_ms))
-        job_fail(s, j);
+    if (!job_pass_failed(j, tile, pass, worker, reason, s->now_ms) && !is_decided(j))
+        server_job_end(s, j, JOB_FAILED);
 }
 
 void grant_job_failed(struct server *s, struct job *j, const char *reason)
 {
+    if (is_decided(j))
+        return;
     job_fail_reason(j, reason);
-    job_fail(s, j);
+    server_job_end(s, j, JOB_FAILED);
 }

@@ -64,6 +64,13 @@ static double job_speed(const struct job *j, int64_t now_ms)
     return (double)j->row.samples * 1000 / (double)elapsed_ms;
 }
 
+static void settle(struct job *j, uint32_t spp)
+{
+    j->row.target.spp = spp;
+    j->row.settled = true;
+    job_touch(j);
+}
+
 /* Called when the first lease of round `pass` would be granted. The work that is out comes
  * first; what the rest of the time allows at the rate so far is cut to a multiple of the
  * replicates, so that every pixel keeps a fair error estimate. */
@@ -85,10 +92,18 @@ static enum decision round_decide(struct job *j, uint32_t pass, int64_t now_ms)
         return DECISION_GO;
     }
     const uint32_t more = fit > 0 ? (uint32_t)fit / FILM_REPLICATES * FILM_REPLICATES : 0;
-    j->row.target.spp = range.s_begin + more;
-    j->row.settled = true;
-    job_touch(j);
+    settle(j, range.s_begin + more);
     return DECISION_SETTLED;
+}
+
+bool sched_time_is_up(struct job *j, int64_t now_ms)
+{
+    const bool timed = j->row.target.seconds > 0 && !j->row.settled && j->open;
+    if (!timed || j->rounds_done < j->rounds_decided || j->rounds_done == job_passes(j) ||
+        (double)job_elapsed_ms(j, now_ms) < j->row.target.seconds * 1000)
+        return false;
+    settle(j, j->row.spp_done);
+    return true;
 }
 
 /* ---- inside a job ---- */
@@ -163,7 +178,7 @@ enum sched_result sched_next(struct sched *s, uint32_t worker, int64_t now_ms,
 {
     for (size_t i = 0; i < s->count; i++) {
         struct job *j = s->jobs[i];
-        if (j->row.state == JOB_PAUSED || j->finishing)
+        if (j->row.state == JOB_PAUSED || j->finishing || j->reached)
             continue;
         const enum sched_result r = job_next(s, j, worker, now_ms, pick);
         if (r != SCHED_NOTHING)

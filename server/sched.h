@@ -36,6 +36,10 @@ struct sched_pick {
 
 enum sched_result sched_next(struct sched *, uint32_t worker, int64_t now_ms, struct sched_pick *);
 
+/* A seconds target that runs out while nobody asks for work: true when it has settled on the rounds
+ * that are complete; save its row. */
+bool sched_time_is_up(struct job *, int64_t now_ms);
+
 /* Marks the pass as leased. */
 void sched_grant(struct job *, uint32_t tile, uint32_t pass, uint64_t lease);
 

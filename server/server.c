@@ -337,6 +337,9 @@ static void tick(struct server *s)
     for (size_t i = 0; i < s->job_count; i++)
         if (s->jobs[i]->unsaved)
             server_job_save(s, s->jobs[i]);
+    for (size_t i = 0; i < s->sched.count; i++)
+        if (sched_time_is_up(s->sched.jobs[i], s->now_ms))
+            server_job_save(s, s->sched.jobs[i]);
     s->news = true; /* what depends on time alone */
 }
 

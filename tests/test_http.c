@@ -367,6 +367,34 @@ static void parked(void)
     buf_release(&a.text);
 }
 
+static void stopped_while_parked(void)
+{
+    static const char call[] = "POST /v1/leases HTTP/1.1\r\n" HOST JSON "Content-Length: 74\r\n\r\n"
+                               "{\"worker\":\"p\",\"threads\":1,\"version\":\"" SMALTI_VERSION
+                               "\",\"want\":1,\"wait_ms\":25000}     ";
+    const int fd = daemon_connect(&d), half = daemon_connect(&d);
+    send(fd, call, sizeof call - 1, MSG_NOSIGNAL);
+    send(half, call, 100, MSG_NOSIGNAL);
+    struct answer a = {.status = 0};
+    for (const int64_t until = clock_ms() + 5000; clock_ms() < until; clock_sleep_ms(10)) {
+        a = daemon_call(&d, "GET", "/v1/workers", NULL, NULL, 0);
+        const bool seen =
+            a.body && strstr(a.body, "\"seen_ms_ago\":") && strstr(a.body, "\"name\":\"p\"");
+        buf_release(&a.text);
+        if (seen)
+            break;
+    }
+    const int64_t begin_ms = clock_ms();
+    ok(daemon_stop(&d) == 0, "with a parked call and half a request it stops with status 0");
+    ok(clock_ms() - begin_ms < 5000, "without waiting for either: %lld ms",
+       (long long)(clock_ms() - begin_ms));
+    a = daemon_read(fd);
+    ok(a.status == 503, "the parked call is answered: %d", a.status);
+    buf_release(&a.text);
+    close(fd);
+    close(half);
+}
+
 int main(void)
 {
     static const char *const flags[] = {"--log", "error", NULL};
@@ -383,7 +411,7 @@ int main(void)
     struct answer a = daemon_call(&d, "GET", "/healthz", NULL, NULL, 0);
     ok(a.status == 200, "and is well");
     buf_release(&a.text);
-    ok(daemon_stop(&d) == 0, "and stops with status 0");
+    stopped_while_parked();
     daemon_remove(&d);
     return tap_done();
 }

@@ -222,6 +222,25 @@ static void seconds_too_few(void)
     job_free(j);
 }
 
+static void seconds_without_workers(void)
+{
+    struct job *j = fake_job_open(16, 8, (struct scene_target){.spp = 1 << 20, .seconds = 10});
+    struct sched s = with(j);
+    struct sched_pick p;
+    for (int64_t now = 1000; now < 1002; now++)
+        if (take(&s, 1, now, &p)) {
+            if (j->row.state == JOB_QUEUED)
+                job_start(j, now, 1);
+            deliver(p, 1, now);
+        }
+    ok(!sched_time_is_up(j, 10000) && !j->row.settled, "a job that nobody asks for has its time");
+    ok(sched_time_is_up(j, 11001) && j->row.target.spp == 8 && merge_is_complete(j),
+       "when it is over, what is complete is the image");
+    ok(!sched_time_is_up(j, 12000), "once");
+    sched_release(&s);
+    job_free(j);
+}
+
 static void seconds_after_restart(void)
 {
     struct job *j = fake_job_open(16, 8, (struct scene_target){.spp = 1 << 20, .seconds = 100});
@@ -278,6 +297,7 @@ int main(void)
     error_rounds();
     seconds();
     seconds_too_few();
+    seconds_without_workers();
     seconds_after_restart();
     rates();
     return tap_done();
