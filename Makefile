@@ -50,7 +50,7 @@ BENCH  := $(patsubst bench/%.c,$(B)/%,$(wildcard bench/bench_*.c))
 TOOLS  := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/tool_*.c))
 FUZZ   := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/fuzz_*.c))
 
-.PHONY: all tests demo check check-unit check-rules check-e2e check-long bench fuzz install clean
+.PHONY: all tests demo pictures check check-unit check-rules check-e2e check-long bench fuzz fuzz-run install clean
 .SECONDARY:
 .DELETE_ON_ERROR:
 
@@ -105,6 +105,9 @@ demo:
 	deploy/install-deps build
 	$(MAKE) -j$(J) all
 	deploy/demo
+
+pictures: demo # the picture of the README
+	cp demo/cornell-box.png docs/
 
 check:
 	deploy/install-deps build test

@@ -230,3 +230,18 @@ struct answer daemon_call(const struct daemon *d, const char *method, const char
     buf_release(&message);
     return a;
 }
+
+const char *daemon_scene(uint32_t side, const char *target)
+{
+    static char text[2048];
+    snprintf(
+        text, sizeof text,
+        "{\"smalti\": 1, \"film\": {\"width\": %u, \"height\": %u}, \"camera\": {\"type\": "
+        "\"perspective\", \"fov_deg\": 40, \"look_at\": {\"from\": [0, 0, 5], \"to\": [0, 0, 0]}}, "
+        "\"materials\": {\"grey\": {\"type\": \"diffuse\", \"albedo\": [0.5, 0.5, 0.5]}}, "
+        "\"shapes\": [{\"type\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 1, "
+        "\"material\": \"grey\"}], \"lights\": [{\"type\": \"sky\", \"radiance\": [1, 1, 1]}], "
+        "\"settings\": {\"target\": %s}}",
+        side, side, target);
+    return text;
+}

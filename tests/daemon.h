@@ -35,4 +35,7 @@ struct answer daemon_read(int socket);
 struct answer daemon_call(const struct daemon *, const char *method, const char *target,
                           const char *type, const void *body, size_t bytes);
 
+/* A grey sphere under a white sky, side x side pixels; target: JSON text. Static; the next call overwrites it. */
+const char *daemon_scene(uint32_t side, const char *target);
+
 #endif

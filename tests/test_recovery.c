@@ -1,6 +1,6 @@
 /* The coordinator with workers that only pretend to trace: whatever is killed, lapses, comes late
- * or twice, the image is the same, and states go where docs/http.md says. SPDX-License-Identifier:
- * MIT */
+ * or twice, the image is the same, and states go where docs/http.md says.
+ * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -36,25 +36,10 @@ static const char *text_of(const json_t *root, const char *key)
     return text ? text : "";
 }
 
-static const char *scene_text(uint32_t side, const char *target)
-{
-    static char text[2048];
-    snprintf(
-        text, sizeof text,
-        "{\"smalti\": 1, \"film\": {\"width\": %u, \"height\": %u}, \"camera\": {\"type\": "
-        "\"perspective\", \"fov_deg\": 40, \"look_at\": {\"from\": [0, 0, 5], \"to\": [0, 0, 0]}}, "
-        "\"materials\": {\"grey\": {\"type\": \"diffuse\", \"albedo\": [0.5, 0.5, 0.5]}}, "
-        "\"shapes\": [{\"type\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 1, "
-        "\"material\": \"grey\"}], \"lights\": [{\"type\": \"sky\", \"radiance\": [1, 1, 1]}], "
-        "\"settings\": {\"target\": %s}}",
-        side, side, target);
-    return text;
-}
-
 static void submit(char id[17], uint32_t side, const char *target)
 {
     int status;
-    json_t *root = ask(&status, "POST", "/v1/jobs", scene_text(side, target));
+    json_t *root = ask(&status, "POST", "/v1/jobs", daemon_scene(side, target));
     if (status != 201) {
         char *text = json_dumps(root, 0);
         diag("submit: %d %s", status, text);
@@ -200,7 +185,7 @@ static void reference(void)
     char target[64];
     snprintf(target, sizeof target, "/v1/jobs/%s/document", id);
     struct answer a = daemon_call(&d, "GET", target, NULL, NULL, 0);
-    ok(a.status == 200 && !strcmp(a.body, scene_text(SIDE, to_64)),
+    ok(a.status == 200 && !strcmp(a.body, daemon_scene(SIDE, to_64)),
        "the document is the very bytes that came");
     buf_release(&a.text);
     snprintf(target, sizeof target, "/v1/jobs/%s/image.exr", id);
