@@ -15,11 +15,11 @@ static const char *title_of(int status)
         int status;
         const char *title;
     } titles[] = {
-        {400, "Bad Request"},           {404, "Not Found"},
-        {405, "Method Not Allowed"},    {409, "Conflict"},
-        {413, "Content Too Large"},     {415, "Unsupported Media Type"},
-        {421, "Misdirected Request"},   {422, "Unprocessable Content"},
-        {500, "Internal Server Error"}, {503, "Service Unavailable"},
+        {400, "Bad Request"},         {404, "Not Found"},
+        {405, "Method Not Allowed"},  {409, "Conflict"},
+        {413, "Content Too Large"},   {415, "Unsupported Media Type"},
+        {421, "Misdirected Request"}, {422, "Unprocessable Content"},
+        {503, "Service Unavailable"},
     };
     for (size_t i = 0; i < countof(titles); i++)
         if (titles[i].status == status)

@@ -23,7 +23,7 @@ static json_t *rect_json(struct tile_rect r)
 
 /* ---- how far, how fast, how long ---- */
 
-double status_progress(const struct job *j, int64_t now_ms)
+static double progress_of(const struct job *j, int64_t now_ms)
 {
     const struct scene_target *t = &j->row.target;
     if (j->row.state == JOB_DONE)
@@ -144,7 +144,7 @@ static void add_progress(json_t *root, const struct job *j, int64_t now_ms)
     json_object_set_new(
         root, "tile_passes",
         json_pack("{s:I, s:I}", "done", (json_int_t)r->passes_done, "total", (json_int_t)total));
-    json_object_set_new(root, "progress", json_real(status_progress(j, now_ms)));
+    json_object_set_new(root, "progress", json_real(progress_of(j, now_ms)));
     json_object_set_new(root, "error", number_or_null(r->error >= 0, r->error));
     json_object_set_new(root, "samples", json_integer((json_int_t)r->samples));
     json_object_set_new(root, "samples_per_second", number_or_null(speed > 0, speed));

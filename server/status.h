@@ -8,6 +8,5 @@
 struct json_t;
 
 struct json_t *status_job(const struct server *, const struct job *); /* the caller owns it */
-double status_progress(const struct job *, int64_t now_ms); /* 0 to 1, of the nearest target */
 
 #endif
