@@ -26,7 +26,7 @@ void local_open(struct local *l, const char *path)
         give_up(path, &errors);
     struct arena scratch = {0};
     struct err err;
-    if (!prep_stage(&l->disk.scene, &l->arena, &scratch, &l->stage, &err)) {
+    if (!prep_stage(&l->disk.scene, NULL, &l->arena, &scratch, &l->stage, &err)) {
         fprintf(stderr, "%s: %s\n", path, err.text);
         exit(3);
     }

@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#include "tests/catalog.h"
+
 static const double margin = 1e-5, least_sine = 1e-2;
 
 struct vec {
@@ -103,16 +105,20 @@ static struct candidate disc_hit(const struct line *l, const struct stage_disc *
     return judge(l, t, (r - length(p)) * fabs(cosine), fabs(cosine), extent(f) + r);
 }
 
-static struct candidate prim_hit(const struct stage *s, const struct stage_prim *p,
-                                 const struct line *l)
+static struct candidate prim_hit(const struct stage *s, struct stage_id id, const struct line *l)
 {
-    switch ((enum stage_prim_kind)p->kind) {
-    case STAGE_TRIANGLE:
-        return triangle_hit(l, (const struct stage_triangle *)stage_at(s, s->triangles) + p->index);
+    const uint32_t index = id.place.index;
+    switch ((enum stage_kind)id.place.kind) {
+    case STAGE_TRIANGLE: {
+        const struct stage_triangle t = stage_triangle_at(s, index, id.instance);
+        return triangle_hit(l, &t);
+    }
     case STAGE_SPHERE:
-        return sphere_hit(l, (const struct stage_sphere *)stage_at(s, s->spheres) + p->index);
+        return sphere_hit(l, (const struct stage_sphere *)stage_at(s, s->spheres) + index);
     case STAGE_DISC:
-        return disc_hit(l, (const struct stage_disc *)stage_at(s, s->discs) + p->index);
+        return disc_hit(l, (const struct stage_disc *)stage_at(s, s->discs) + index);
+    case STAGE_KINDS:
+        break;
     }
     return (struct candidate){0, 0, false, true};
 }
@@ -125,13 +131,13 @@ struct naive_hit naive_hit_closest(const struct stage *s, const struct ray *r)
     const double scale = length(l.d);
     l.d = (struct vec){l.d.x / scale, l.d.y / scale, l.d.z / scale};
     l.t_max = (double)r->t_max * scale;
-    const struct stage_prim *prims = stage_at(s, s->prims);
+    struct stage_id id;
     struct naive_hit best = {.t = HUGE_VAL, .prim = STAGE_NONE};
     double doubt = HUGE_VAL; /* from here on */
-    for (uint32_t i = 0; i < s->prims.count; i++) {
-        const struct candidate c = prim_hit(s, &prims[i], &l);
-        if (c.hit && c.t < best.t)
-            best = (struct naive_hit){c.t, c.reach, i, true, false};
+    for (uint64_t at = 0; catalog_next(s, &at, &id);) {
+        const struct candidate c = prim_hit(s, id, &l);
+        if (c.hit && (c.t < best.t || (c.t == best.t && id.prim < best.prim)))
+            best = (struct naive_hit){c.t, c.reach, id.prim, true, false};
         if (c.doubtful && c.t < doubt)
             doubt = c.t;
     }

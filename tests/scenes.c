@@ -218,7 +218,7 @@ const struct stage *scenes_stage(struct scenes *s)
     const struct stage *stage;
     struct arena scratch = {0};
     struct err err;
-    if (!prep_stage(&s->scene, &s->arena, &scratch, &stage, &err)) {
+    if (!prep_stage(&s->scene, NULL, &s->arena, &scratch, &stage, &err)) {
         fprintf(stderr, "%s\n", err.text);
         abort();
     }

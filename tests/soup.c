@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "common/trace/bvh.h"
+#include "tests/catalog.h"
 
 float (*soup_vertices(struct scenes *s, uint32_t triangles))[3]
 {
@@ -56,12 +57,15 @@ vec3 soup_magnitudes(struct dice *d, double from, double to)
 
 bool soup_closest(const struct stage *s, const struct ray *ray, struct ray_hit *hit)
 {
-    struct ray_hit found;
+    struct stage_id id;
     bool any = false;
-    for (uint32_t i = 0; i < s->prims.count; i++)
-        if (bvh_hit_prim(s, i, ray, &found) && (!any || found.t < hit->t)) {
+    for (uint64_t at = 0; catalog_next(s, &at, &id);) {
+        struct ray_hit found = {.prim = id.prim, .place = id.place, .instance = id.instance};
+        if (!bvh_hit_prim(s, ray, &found))
+            continue;
+        if (!any || found.t < hit->t || (found.t == hit->t && found.prim < hit->prim))
             *hit = found;
-            any = true;
-        }
+        any = true;
+    }
     return any;
 }

@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "common/trace/bvh.h"
+#include "tests/catalog.h"
 #include "tests/dice.h"
 #include "tests/scenes.h"
 #include "tests/sphere_chi2.h"
@@ -23,7 +24,7 @@ static uint32_t begin(struct scenes *s)
 
 static struct surface receiver_of(const struct stage *stage)
 {
-    return surface_on_disc(stage, 0, vec3_make(0, 0, 0));
+    return surface_on_disc(stage, catalog_id(stage, 0), vec3_make(0, 0, 0));
 }
 
 struct scenery {
@@ -188,7 +189,7 @@ static void picks_follow_table(void)
         if (!light_sample(stage, &from, bits, (struct square){.5f, .5f}, &light))
             continue;
         for (int k = 0; k < LIGHTS; k++) {
-            const struct surface at = surface_on_sphere(stage, emitters[k].prim, -light.wi);
+            const struct surface at = surface_on_sphere(stage, catalog_id(stage, emitters[k].prim), -light.wi);
             const vec3 d = vec3_unit(at.p - from.p);
             if (vec3_dot(d, light.wi) > 0.9999f) {
                 seen[k]++;

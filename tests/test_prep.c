@@ -8,15 +8,11 @@
 #include "common/trace/bvh.h"
 #include "common/trace/camera.h"
 #include "common/trace/surface.h"
+#include "tests/catalog.h"
 #include "tests/soup.h"
 #include "tests/tap.h"
 
 static const double pi = 3.14159265358979323846;
-
-static const struct stage_triangle *triangle(const struct stage *s, size_t i)
-{
-    return (const struct stage_triangle *)stage_at(s, s->triangles) + i;
-}
 
 /* A rotation with a scale; mirrored on request. */
 static struct xform similarity(struct dice *d, float scale, bool mirrored)
@@ -32,10 +28,11 @@ static struct xform similarity(struct dice *d, float scale, bool mirrored)
     return m;
 }
 
-static bool has_vertex(const struct stage_triangle *t, const float v[3])
+static bool has_vertex(const struct stage *s, uint32_t prim, const float v[3])
 {
+    const struct stage_triangle t = catalog_triangle(s, prim);
     for (int i = 0; i < 3; i++)
-        if (memcmp(t->v[i], v, sizeof t->v[i]) == 0)
+        if (memcmp(t.v[i], v, sizeof t.v[i]) == 0)
             return true;
     return false;
 }
@@ -60,10 +57,11 @@ static void test_shared_edges(void)
         const struct stage *stage = scenes_stage(&s);
         int diagonal = 0, common = 0;
         for (int i = 0; i < 3; i++) {
-            diagonal += has_vertex(triangle(stage, 1), triangle(stage, 0)->v[i]);
-            for (size_t t = 2; t < 4; t++)
-                common += has_vertex(triangle(stage, t), triangle(stage, 0)->v[i]) ||
-                          has_vertex(triangle(stage, t), triangle(stage, 1)->v[i]);
+            const struct stage_triangle a0 = catalog_triangle(stage, 0),
+                                        a1 = catalog_triangle(stage, 1);
+            diagonal += has_vertex(stage, 1, a0.v[i]);
+            for (uint32_t t = 2; t < 4; t++)
+                common += has_vertex(stage, t, a0.v[i]) || has_vertex(stage, t, a1.v[i]);
         }
         shared_diagonals += diagonal == 2;
         apart += common < 2;
@@ -150,10 +148,12 @@ static void test_dropped(void)
     const struct stage *stage = scenes_stage(&s);
     ok(stage->dropped_nonfinite == 3, "3 triangles with NaN or infinity are dropped and counted");
     ok(stage->dropped_degenerate == 2, "2 triangles without area are dropped and counted");
-    ok(stage->triangles.count == 2 && stage->prims.count == 3, "the others stay");
-    ok(triangle(stage, 0)->v[0][2] == 0 && triangle(stage, 1)->v[0][2] == 6, "in document order");
-    const struct stage_prim *prims = stage_at(stage, stage->prims);
-    ok(prims[2].kind == STAGE_SPHERE && prims[2].shape == 1, "prims name their shapes");
+    ok(stage->prim_count == 3, "the others stay");
+    ok(catalog_triangle(stage, 0).v[0][2] == 0 && catalog_triangle(stage, 1).v[0][2] == 6,
+       "in document order");
+    ok(catalog_id(stage, 2).place.kind == STAGE_SPHERE && stage_shape_of(stage, 2) == 1 &&
+           stage_shape_of(stage, 1) == 0,
+       "prims belong to their shapes");
     ok(stage->bounds[0][2] == 0 && stage->bounds[1][2] >= 21 && stage->bounds[1][2] < 21.001f,
        "bounds are of what stays");
     scenes_release(&s);
@@ -166,7 +166,7 @@ static void test_empty(void)
     const struct stage *stage = scenes_stage(&s);
     const struct ray ray = {vec3_make(0, 0, 0), vec3_make(0, 0, 1), INFINITY};
     struct ray_hit hit;
-    ok(!stage->prims.count && !stage->nodes.count && !stage->emitters.count,
+    ok(!stage->prim_count && !stage->nodes.count && !stage->emitters.count,
        "an empty scene is empty");
     ok(!bvh_hit_closest(stage, &ray, &hit) && !bvh_hit_any(stage, &ray),
        "and nothing is hit there");
@@ -217,9 +217,16 @@ static void test_picks(void)
          "sphere against half quad: exactly by power");
     ok(rises && cdf[countof(power)] == 1, "the cumulative pick rises from 0 to 1");
     near((double)e[2].area, pi, 1e-6, "an emitter knows its area");
-    const struct stage_prim *prims = stage_at(stage, stage->prims);
-    ok(prims[0].emitter == 0 && prims[2].emitter == 2 && prims[4].emitter == STAGE_NONE,
-       "prims know their emitters");
+    const struct stage_shape *shapes = stage_at(stage, stage->shapes);
+    ok(shapes[0].emitter_begin == 0 && shapes[1].emitter_begin == 2 &&
+           shapes[3].emitter_begin == STAGE_NONE,
+       "shapes know their emitters");
+    bool found = true;
+    for (uint32_t i = 0; i < 4; i++) {
+        const struct stage_id id = catalog_id(stage, e[i].prim);
+        found &= memcmp(&id.place, &e[i].place, sizeof id.place) == 0;
+    }
+    ok(found, "emitters know where they are");
     near((double)stage->sky[0], 0.75, 0, "skies add up");
     scenes_release(&s);
 }
@@ -306,9 +313,9 @@ static void test_block(void)
     ok(memcmp(a->magic, "SMSTAGE", 8) == 0 && a->version == STAGE_VERSION &&
            a->struct_bytes == sizeof *a && (uintptr_t)a % 64 == 0,
        "the block says what it is and is aligned");
-    const struct stage_span spans[] = {a->prims,    a->triangles, a->spheres,
-                                       a->discs,    a->materials, a->emitters,
-                                       a->pick_cdf, a->nodes,     a->leaf_prims};
+    const struct stage_span spans[] = {a->shapes,    a->trees,    a->nodes, a->blocks,
+                                       a->instances, a->spheres,  a->discs, a->materials,
+                                       a->emitters,  a->pick_cdf};
     bool placed = true;
     for (size_t i = 0; i < countof(spans); i++)
         placed &=

@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "common/trace/bvh.h"
+#include "tests/catalog.h"
 #include "tests/soup.h"
 #include "tests/stat.h"
 #include "tests/tap.h"
@@ -63,14 +64,19 @@ static void test_leave_triangles(void)
         scenes_triangle(&s, scenes_diffuse(&s, rgb_gray(0.5f)), soup_magnitudes(&d, -8, 8),
                         soup_magnitudes(&d, -8, 8), soup_magnitudes(&d, -8, 8));
         const struct stage *stage = scenes_stage(&s);
-        const struct stage_triangle *t = stage_at(stage, stage->triangles);
-        n.empty += !stage->triangles.count;
-        for (int i = 0; i < RAYS && stage->triangles.count; i++) {
+        n.empty += !stage->prim_count;
+        if (!stage->prim_count) {
+            scenes_release(&s);
+            continue;
+        }
+        const struct stage_id id = catalog_id(stage, 0);
+        const struct stage_triangle t = catalog_triangle(stage, 0);
+        for (int i = 0; i < RAYS; i++) {
             struct surface p;
             const float u = dice_float(&d), v = dice_float(&d) * (1 - u);
-            const float size = vec3_length(vec3_load(t->v[0]) - vec3_load(t->v[1]));
-            if (!(i & 1) || !find_point(&d, stage, any_point(&d, t), size, &p))
-                p = surface_on_triangle(stage, 0, u, v);
+            const float size = vec3_length(vec3_load(t.v[0]) - vec3_load(t.v[1]));
+            if (!(i & 1) || !find_point(&d, stage, any_point(&d, &t), size, &p))
+                p = surface_on_triangle(stage, id, u, v);
             leave_both_sides(&d, stage, &p, &n);
         }
         scenes_release(&s);
@@ -95,7 +101,7 @@ static void test_leave_discs(void)
             const vec3 at = center + flat * (radius * dice_float(&d));
             struct surface p;
             if (!(i & 1) || !find_point(&d, stage, at, radius, &p))
-                p = surface_on_disc(stage, 0, at);
+                p = surface_on_disc(stage, catalog_id(stage, 0), at);
             leave_both_sides(&d, stage, &p, &n);
         }
         scenes_release(&s);
@@ -121,7 +127,7 @@ static void test_leave_spheres(void)
             const vec3 way = soup_direction(&d);
             struct surface p;
             if (!(i & 1) || !find_point(&d, stage, center + radius * way, radius, &p))
-                p = surface_on_sphere(stage, 0, way);
+                p = surface_on_sphere(stage, catalog_id(stage, 0), way);
             struct ray ray = surface_leave(&p, leaving(&d, p.ng, 1));
             struct ray_hit hit;
             out.rays++;
@@ -158,22 +164,22 @@ static void add_light(struct dice *d, struct scenes *s, uint32_t kind, vec3 at, 
 
 static struct surface point_on(struct dice *d, const struct stage *s, uint32_t prim, vec3 seen_from)
 {
-    const struct stage_prim *p = (const struct stage_prim *)stage_at(s, s->prims) + prim;
+    const struct stage_id id = catalog_id(s, prim);
     const float u = dice_float(d), v = dice_float(d) * (1 - u);
-    if (p->kind == STAGE_TRIANGLE)
-        return surface_on_triangle(s, prim, u, v);
-    if (p->kind == STAGE_DISC) {
-        const struct stage_disc *disc = stage_at(s, s->discs);
-        const vec3 n = vec3_load(disc[p->index].normal);
+    if (id.place.kind == STAGE_TRIANGLE)
+        return surface_on_triangle(s, id, u, v);
+    if (id.place.kind == STAGE_DISC) {
+        const struct stage_disc *disc =
+            (const struct stage_disc *)stage_at(s, s->discs) + id.place.index;
+        const vec3 n = vec3_load(disc->normal);
         const vec3 flat = vec3_unit(vec3_cross(n, soup_direction(d)));
-        return surface_on_disc(
-            s, prim, vec3_load(disc[p->index].center) + flat * (disc[p->index].radius * u));
+        return surface_on_disc(s, id, vec3_load(disc->center) + flat * (disc->radius * u));
     }
     const struct stage_sphere *sphere =
-        (const struct stage_sphere *)stage_at(s, s->spheres) + p->index;
+        (const struct stage_sphere *)stage_at(s, s->spheres) + id.place.index;
     const vec3 to_viewer = seen_from - vec3_load(sphere->center);
     const vec3 way = soup_direction(d);
-    return surface_on_sphere(s, prim, vec3_dot(way, to_viewer) < 0 ? -way : way);
+    return surface_on_sphere(s, id, vec3_dot(way, to_viewer) < 0 ? -way : way);
 }
 
 /* Two shapes of size 10^[-8, 8], 4 to 4e4 sizes from each other and up to as far from the origin.
@@ -207,9 +213,8 @@ static void test_two_shapes(void)
                 const float rise = fabsf(vec3_dot(way, from.ng)),
                             fall = fabsf(vec3_dot(way, to.ng));
                 const bool behind = kind == 2 && vec3_dot(way, from.ng) < 1e-3f;
-                const struct stage_prim *prims = stage_at(stage, stage->prims);
                 const bool beyond =
-                    prims[other].kind == STAGE_SPHERE && vec3_dot(way, to.ng) > -1e-3f;
+                    catalog_id(stage, other).place.kind == STAGE_SPHERE && vec3_dot(way, to.ng) > -1e-3f;
                 if (rise < 1e-3f || fall < 1e-3f || behind || beyond) {
                     edge_on++;
                     continue;
@@ -312,12 +317,14 @@ static void test_error_bounds(void)
             double height = 0, bound = 0, anchor[3], radius = 0;
             const struct stage_sphere *sphere = stage_at(stage, stage->spheres);
             const struct stage_disc *disc = stage_at(stage, stage->discs);
-            const struct stage_triangle *t = stage_at(stage, stage->triangles);
+            const bool flat = seed % 3 == 0;
+            const struct stage_triangle t =
+                flat ? catalog_triangle(stage, 0) : (struct stage_triangle){{{0}}};
             const bool round = seed % 3 == 2;
             for (int k = 0; k < 3; k++)
                 anchor[k] = (double)(round      ? sphere->center[k]
                                      : seed % 3 ? disc->center[k]
-                                                : t->v[0][k]);
+                                                : t.v[0][k]);
             for (int k = 0; k < 3; k++) {
                 const double off_k = (double)p.p[k] - anchor[k];
                 radius += off_k * off_k;

@@ -136,14 +136,14 @@ static void run_load(struct loader *l, struct load *load)
     bool good = load_document(l, load, &w, &scene) && load_meshes(l, load, &w, &scene);
     buf_release(&w.bytes);
     const int64_t loaded_ms = clock_ms();
-    if (good && !prep_stage(&scene, &load->arena, &w.scratch, &load->stage, &load->err))
+    if (good && !prep_stage(&scene, NULL, &load->arena, &w.scratch, &load->stage, &load->err))
         good = fault(load, "input");
     load->done = good;
     arena_release(&w.scene);
     arena_release(&w.scratch);
     if (good)
         log_info("scene_ready document=%.12s prims=%llu bytes=%llu load_ms=%lld prepare_ms=%lld",
-                 load->document, (unsigned long long)load->stage->prims.count,
+                 load->document, (unsigned long long)load->stage->prim_count,
                  (unsigned long long)load->stage->bytes, (long long)(loaded_ms - begin_ms),
                  (long long)(clock_ms() - loaded_ms));
 }

@@ -1,10 +1,13 @@
-/* bvh.h - bounding volume hierarchy over the stage's primitives: build, closest hit, any hit.
+/* bvh.h - bounding volume hierarchy over the stage's primitives: closest hit, any hit.
  *
- * Binary, scalar, surface area heuristic: the plain one. It is the oracle that every
- * later structure is compared with, so it stays simple.
+ * Eight-wide: a node holds the boxes of up to eight children, which are tested at once (box8.h); a
+ * leaf is a block of up to eight triangles, tested at once, or one primitive of another kind, or
+ * one instance of a shared mesh, whose own tree the ray then walks in object space. bvh_build.h
+ * makes it.
  *
  * The hit is a pure function of the ray: the smallest t, and among equal t the smallest
- * primitive number, whatever the order of traversal. Rays with a NaN hit nothing.
+ * primitive number, whatever the tree and the order of traversal; bvh_hit_closest is the minimum of
+ * bvh_hit_prim over all primitives, to the last bit. Rays with a NaN hit nothing.
  * SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_BVH_H
 #define COMMON_TRACE_BVH_H
@@ -12,37 +15,51 @@
 #include "common/trace/ray.h"
 #include "common/trace/stage.h"
 
-enum { BVH_MAX_DEPTH = 64 }; /* bound on the traversal stack; the builder keeps it (by median
-                              * splits once SAH has used up its depth) */
-
-struct bvh_node {            /* 32 bytes; children are neighbours: first, first + 1 */
-    float lo[3];
-    uint32_t first;          /* inner: index of the first child; leaf: into leaf_prims */
-    float hi[3];
-    uint32_t count : 29;     /* 0: inner; else primitives of the leaf */
-    uint32_t kind : 3;       /* leaf: enum stage_prim_kind of all of them */
+enum {
+    BVH_WIDTH = 8,
+    BVH_MAX_DEPTH = 64, /* levels of nodes; the builder keeps it by halving once SAH has used it up */
+    BVH_STACK = (BVH_WIDTH - 1) * BVH_MAX_DEPTH + 1, /* all children but one of each level wait */
 };
 
-/* What the builder needs of a primitive. */
-struct bvh_box {
-    float lo[3], hi[3];      /* conservative bounds, finite */
+/* A child: what it is in the upper 4 bits, which one in the lower 28. */
+enum bvh_ref_kind {
+    BVH_NODE,       /* of stage.nodes */
+    BVH_INSTANCE,   /* of stage.instances */
+    BVH_BLOCK,      /* of stage.blocks; BVH_BLOCK + kind for the other primitives: of their array */
+    BVH_SPHERE,
+    BVH_DISC,
+    BVH_NOTHING = 15, /* the root of an empty tree */
 };
 
-struct bvh_tree {            /* memory of the arena given to bvh_build */
-    struct bvh_node *nodes;
-    uint32_t *leaf_prims;
-    uint32_t node_count, depth;
+static inline uint32_t bvh_ref_make(uint32_t kind, uint32_t index)
+{
+    return kind << 28 | index;
+}
+
+static inline uint32_t bvh_ref_kind(uint32_t ref)
+{
+    return ref >> 28;
+}
+
+static inline uint32_t bvh_ref_index(uint32_t ref)
+{
+    return ref & 0xfffffff;
+}
+
+struct bvh_node { /* 256 bytes: four cache lines */
+    float plane[6][BVH_WIDTH]; /* box8.h */
+    uint32_t child[BVH_WIDTH];
+    uint32_t used; /* bit i: child i is there; the lower ones are */
+    uint32_t pad[7];
 };
 
-/* boxes[i], kinds[i] belong to primitive i < count. count 0 gives no nodes: an empty scene. */
-struct bvh_tree bvh_build(const struct bvh_box *boxes, const unsigned char *kinds, uint32_t count,
-                          struct arena *);
+_Static_assert(sizeof(struct bvh_node) == 256, "four cache lines");
 
 bool bvh_hit_closest(const struct stage *, const struct ray *, struct ray_hit *);
 bool bvh_hit_any(const struct stage *, const struct ray *);
 
-/* The hit of one primitive alone. bvh_hit_closest is the minimum of these over all primitives, by t
- * and then by number, to the last bit. */
-bool bvh_hit_prim(const struct stage *, uint32_t prim, const struct ray *, struct ray_hit *);
+/* The hit of one primitive alone, the one that hit->prim, place and instance name; t, u and v are
+ * written. */
+bool bvh_hit_prim(const struct stage *, const struct ray *, struct ray_hit *hit);
 
 #endif

@@ -1,205 +1,229 @@
-/* Binned surface area heuristic: I. Wald, "On fast Construction of SAH-based Bounding Volume
- * Hierarchies", RT 2007. SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT */
+#include "common/trace/bvh_build.h"
+
 #include <assert.h>
 
-#include "common/trace/bvh.h"
+#include "common/trace/box8.h"
 
 enum {
-    BINS = 16,
-    LEAF_MAX = 4,    /* primitives of a leaf: measured flat between 2 and 8 */
-    KIND_LEVELS = 2, /* splitting three kinds apart takes at most two levels */
+    CHUNK = 64,         /* nodes of a part are kept in pieces of so many */
+    PARTS_WANTED = 128, /* more or less: enough for any crew to share */
+    PART_LEAST = 2048,  /* items; fewer are not worth a part */
+    REF_PART = 14,      /* a child that another part holds; index: which */
 };
 
-/* Visiting a node, in units of one primitive test. */
-#define NODE_COST 1.0f
-
-struct builder {
-    const struct bvh_box *boxes;
-    const unsigned char *kinds;
-    struct bvh_tree tree;
+struct pending { /* a node to be made, and the child that will refer to it */
+    struct bvh_range range;
+    struct bvh_node *parent;
+    uint32_t lane, depth;
 };
-
-struct range { /* of leaf_prims, half-open */
-    uint32_t begin, end;
-    uint32_t node, depth;
-};
-
-struct split {
-    int axis; /* -1: none */
-    float lo, scale;
-    int bin; /* bins below it go left */
-    float cost;
-};
-
-static struct bvh_box empty_box(void)
-{
-    const float inf = __builtin_inff();
-    return (struct bvh_box){{inf, inf, inf}, {-inf, -inf, -inf}};
-}
-
-static void grow(struct bvh_box *b, const float lo[3], const float hi[3])
-{
-    for (int k = 0; k < 3; k++) {
-        b->lo[k] = lo[k] < b->lo[k] ? lo[k] : b->lo[k];
-        b->hi[k] = hi[k] > b->hi[k] ? hi[k] : b->hi[k];
-    }
-}
-
-static float half_area(const struct bvh_box *b)
-{
-    const float x = b->hi[0] - b->lo[0], y = b->hi[1] - b->lo[1], z = b->hi[2] - b->lo[2];
-    return x < 0 ? 0 : x * y + y * z + z * x;
-}
-
-/* Halves first: lo + hi of two large coordinates could overflow. */
-static float center(const struct bvh_box *b, int axis)
-{
-    return 0.5f * b->lo[axis] + 0.5f * b->hi[axis];
-}
-
-static int bin_of(const struct builder *b, uint32_t prim, int axis, float lo, float scale)
-{
-    const int bin = (int)((center(&b->boxes[prim], axis) - lo) * scale);
-    return bin < 0 ? 0 : bin > BINS - 1 ? BINS - 1 : bin;
-}
-
-static void try_axis(const struct builder *b, struct range r, int axis, const struct bvh_box *centers,
-                     float area, struct split *best)
-{
-    const float lo = centers->lo[axis], width = centers->hi[axis] - lo;
-    const float scale = (float)BINS / width;
-    if (!(width > 0) || !(scale < __builtin_inff()))
-        return;
-    struct bvh_box box[BINS];
-    uint32_t count[BINS] = {0};
-    for (int i = 0; i < BINS; i++)
-        box[i] = empty_box();
-    for (uint32_t i = r.begin; i < r.end; i++) {
-        const uint32_t prim = b->tree.leaf_prims[i];
-        const int bin = bin_of(b, prim, axis, lo, scale);
-        count[bin]++;
-        grow(&box[bin], b->boxes[prim].lo, b->boxes[prim].hi);
-    }
-    float right_cost[BINS];
-    struct bvh_box side = empty_box();
-    uint32_t n = 0;
-    for (int i = BINS - 1; i > 0; i--) {
-        grow(&side, box[i].lo, box[i].hi);
-        n += count[i];
-        right_cost[i] = n ? half_area(&side) * (float)n : -1;
-    }
-    side = empty_box();
-    n = 0;
-    for (int i = 1; i < BINS; i++) {
-        grow(&side, box[i - 1].lo, box[i - 1].hi);
-        n += count[i - 1];
-        const float cost = NODE_COST + (half_area(&side) * (float)n + right_cost[i]) / area;
-        if (n && right_cost[i] >= 0 && cost < best->cost)
-            *best = (struct split){axis, lo, scale, i, cost};
-    }
-}
-
-static bool goes_left(const struct builder *b, const struct split *s, uint32_t prim)
-{
-    return bin_of(b, prim, s->axis, s->lo, s->scale) < s->bin;
-}
-
-static uint32_t partition(struct builder *b, struct range r, const struct split *s)
-{
-    uint32_t *prims = b->tree.leaf_prims;
-    uint32_t i = r.begin, j = r.end;
-    while (i < j) {
-        if (goes_left(b, s, prims[i])) {
-            i++;
-        } else {
-            const uint32_t prim = prims[--j];
-            prims[j] = prims[i];
-            prims[i] = prim;
-        }
-    }
-    return i;
-}
-
-/* A leaf holds one kind: the first one's are moved to the front; where they end. */
-static uint32_t partition_by_kind(struct builder *b, struct range r)
-{
-    uint32_t *prims = b->tree.leaf_prims;
-    const unsigned char kind = b->kinds[prims[r.begin]];
-    uint32_t middle = r.begin;
-    for (uint32_t i = r.begin; i < r.end; i++)
-        if (b->kinds[prims[i]] == kind) {
-            const uint32_t prim = prims[i];
-            prims[i] = prims[middle];
-            prims[middle++] = prim;
-        }
-    return middle;
-}
 
 static uint32_t ceil_log2(uint32_t n)
 {
     return n <= 1 ? 0 : 32 - (uint32_t)__builtin_clz(n - 1);
 }
 
-/* Where to cut the range, or r.end for a leaf. Sets the node's bounds. */
-static uint32_t choose(struct builder *b, struct range r)
+static bool is_leaf(const struct bvh_range *r)
 {
-    struct bvh_node *node = &b->tree.nodes[r.node];
-    struct bvh_box bounds = empty_box(), centers = empty_box();
-    for (uint32_t i = r.begin; i < r.end; i++) {
-        const struct bvh_box *box = &b->boxes[b->tree.leaf_prims[i]];
-        const float c[3] = {center(box, 0), center(box, 1), center(box, 2)};
-        grow(&bounds, box->lo, box->hi);
-        grow(&centers, c, c);
-    }
-    for (int k = 0; k < 3; k++) {
-        node->lo[k] = bounds.lo[k];
-        node->hi[k] = bounds.hi[k];
-    }
-    const uint32_t count = r.end - r.begin;
-    struct split best = {-1, 0, 0, 0, __builtin_inff()};
-    /* Halving from here on just reaches leaves before BVH_MAX_DEPTH. */
-    const bool halve = r.depth + ceil_log2(count) + KIND_LEVELS + 1 >= BVH_MAX_DEPTH;
-    if (count > 1 && !halve)
-        for (int axis = 0; axis < 3; axis++)
-            try_axis(b, r, axis, &centers, half_area(&bounds), &best);
-    if (count <= LEAF_MAX && !(best.cost < (float)count))
-        return partition_by_kind(b, r);
-    return best.axis < 0 ? r.begin + count / 2 : partition(b, r, &best);
+    const uint32_t count = r->end - r->begin;
+    return count == 1 || (r->weight == count && count <= BVH_LEAF_WEIGHT);
 }
 
-struct bvh_tree bvh_build(const struct bvh_box *boxes, const unsigned char *kinds, uint32_t count,
-                          struct arena *arena)
+static struct bvh_node *node_of(const struct bvh_part *part, uint32_t i)
 {
-    struct builder b = {.boxes = boxes, .kinds = kinds};
-    if (!count)
-        return b.tree;
-    b.tree.nodes = arena_new(arena, struct bvh_node, 2 * (size_t)count);
-    b.tree.leaf_prims = arena_new(arena, uint32_t, count);
-    for (uint32_t i = 0; i < count; i++)
-        b.tree.leaf_prims[i] = i;
-    b.tree.node_count = 1;
+    return &part->chunks[i / CHUNK][i % CHUNK];
+}
 
-    struct range stack[BVH_MAX_DEPTH + 1];
-    int waiting = 0;
-    stack[waiting++] = (struct range){0, count, 0, 1};
-    while (waiting) {
-        const struct range r = stack[--waiting];
-        assert(r.depth <= BVH_MAX_DEPTH);
-        b.tree.depth = r.depth > b.tree.depth ? r.depth : b.tree.depth;
-        const uint32_t middle = choose(&b, r);
-        struct bvh_node *node = &b.tree.nodes[r.node];
-        if (middle == r.end) {
-            node->first = r.begin;
-            node->count = (r.end - r.begin) & 0x1fffffff;
-            node->kind = kinds[b.tree.leaf_prims[r.begin]] & 7u;
-            continue;
+static struct bvh_node *new_node(struct bvh_part *part)
+{
+    if (part->node_count % CHUNK == 0)
+        part->chunks[part->node_count / CHUNK] =
+            arena_alloc(&part->arena, CHUNK, sizeof(struct bvh_node), 64);
+    return node_of(part, part->node_count++);
+}
+
+/* Every node has two children at least, so there are fewer nodes than items. */
+static void part_open(struct bvh_part *part)
+{
+    const uint32_t count = part->range.end - part->range.begin;
+    part->chunks = arena_new(&part->arena, struct bvh_node *, count / CHUNK + 1);
+    part->leaves = arena_new(&part->arena, struct bvh_leaf, count);
+}
+
+static uint32_t leaf_ref(struct bvh_part *part, const struct bvh_item *items,
+                         const struct bvh_range *r)
+{
+    if (items[r->begin].kind != BVH_BLOCK)
+        return bvh_ref_make(items[r->begin].kind, items[r->begin].index);
+    part->leaves[part->leaf_count] = (struct bvh_leaf){r->begin, r->end};
+    return bvh_ref_make(BVH_BLOCK, part->leaf_count++);
+}
+
+/* The child to split next: the one of the largest surface, or of the most items. BVH_WIDTH: none. */
+static uint32_t widest(const struct bvh_range *children, uint32_t count, bool by_count)
+{
+    uint32_t best = BVH_WIDTH;
+    float most = -1;
+    for (uint32_t i = 0; i < count; i++) {
+        const float size = by_count ? (float)(children[i].end - children[i].begin)
+                                    : bvh_half_area(&children[i].box);
+        if (!is_leaf(&children[i]) && (best == BVH_WIDTH || size > most)) {
+            best = i;
+            most = size;
         }
-        const uint32_t child = b.tree.node_count;
-        b.tree.node_count += 2;
-        node->first = child;
-        node->count = 0;
-        stack[waiting++] = (struct range){middle, r.end, child + 1, r.depth + 1};
-        stack[waiting++] = (struct range){r.begin, middle, child, r.depth + 1};
     }
-    return b.tree;
+    return best;
+}
+
+static uint32_t split_in_eight(struct bvh_item *items, const struct pending *p,
+                               struct bvh_range children[BVH_WIDTH])
+{
+    const bool by_count = p->depth + ceil_log2(p->range.end - p->range.begin) >= BVH_MAX_DEPTH;
+    uint32_t count = 1;
+    children[0] = p->range;
+    while (count < BVH_WIDTH) {
+        const uint32_t i = widest(children, count, by_count);
+        if (i == BVH_WIDTH)
+            break;
+        struct bvh_range half[2];
+        bvh_split(items, &children[i], by_count, half);
+        children[i] = half[0];
+        children[count++] = half[1];
+    }
+    return count;
+}
+
+static uint32_t part_ref(struct bvh_plan *plan, const struct bvh_range *r, uint32_t depth)
+{
+    if (plan->part_count == plan->part_room) {
+        struct bvh_part *more = arena_new(&plan->arena, struct bvh_part, 2 * plan->part_room);
+        memcpy(more, plan->parts, plan->part_count * sizeof *more);
+        plan->parts = more;
+        plan->part_room *= 2;
+    }
+    plan->parts[plan->part_count] = (struct bvh_part){.range = *r, .depth = depth};
+    return bvh_ref_make(REF_PART, plan->part_count++);
+}
+
+static void store_box(struct bvh_node *node, uint32_t lane, const struct bvh_box *box)
+{
+    float lo[3], hi[3];
+    vec3_store(lo, box->lo);
+    vec3_store(hi, box->hi);
+    box8_store(node->plane, (int)lane, lo, hi);
+}
+
+/* Ranges of at most part_most items become parts of the plan; 0: none does. */
+static void build(struct bvh_plan *plan, struct bvh_part *part, uint32_t part_most)
+{
+    struct pending stack[BVH_STACK];
+    uint32_t waiting = 0;
+    part_open(part);
+    stack[waiting++] = (struct pending){.range = part->range, .depth = part->depth};
+    while (waiting) {
+        const struct pending p = stack[--waiting];
+        assert(p.depth <= BVH_MAX_DEPTH);
+        const uint32_t number = part->node_count;
+        struct bvh_node *node = new_node(part);
+        if (p.parent)
+            p.parent->child[p.lane] = bvh_ref_make(BVH_NODE, number);
+        part->depth = max_u32(part->depth, p.depth);
+        struct bvh_range children[BVH_WIDTH];
+        const uint32_t count = split_in_eight(plan->items, &p, children);
+        node->used = (1u << count) - 1;
+        for (uint32_t i = 0; i < count; i++) {
+            const struct bvh_range *r = &children[i];
+            const uint32_t items = r->end - r->begin;
+            store_box(node, i, &r->box);
+            if (is_leaf(r))
+                node->child[i] = leaf_ref(part, plan->items, r);
+            else if (items <= part_most && items >= PART_LEAST)
+                node->child[i] = part_ref(plan, r, p.depth + 1);
+            else
+                stack[waiting++] = (struct pending){*r, node, i, p.depth + 1};
+        }
+    }
+}
+
+static void build_part(void *arg, uint32_t i)
+{
+    struct bvh_plan *plan = arg;
+    build(plan, &plan->parts[i + 1], 0);
+}
+
+struct bvh_plan bvh_plan_make(struct bvh_item *items, uint32_t count, const struct crew *crew)
+{
+    struct bvh_plan plan = {.items = items, .root = bvh_ref_make(BVH_NOTHING, 0)};
+    if (!count)
+        return plan;
+    plan.part_room = 2 * PARTS_WANTED;
+    plan.parts = arena_new(&plan.arena, struct bvh_part, plan.part_room);
+    plan.part_count = 1;
+    struct bvh_part top = {.range = bvh_range_make(items, 0, count), .depth = 1};
+    if (is_leaf(&top.range)) {
+        part_open(&top);
+        plan.root = leaf_ref(&top, items, &top.range);
+    } else {
+        build(&plan, &top, count / PARTS_WANTED);
+        plan.root = bvh_ref_make(BVH_NODE, 0);
+    }
+    plan.parts[0] = top;
+    crew_run(crew, build_part, &plan, plan.part_count - 1);
+    for (uint32_t i = 0; i < plan.part_count; i++) {
+        struct bvh_part *part = &plan.parts[i];
+        part->node_begin = plan.node_count;
+        part->leaf_begin = plan.leaf_count;
+        plan.node_count += part->node_count;
+        plan.leaf_count += part->leaf_count;
+        plan.depth = max_u32(plan.depth, part->depth);
+    }
+    return plan;
+}
+
+struct writing {
+    const struct bvh_plan *plan;
+    struct bvh_node *nodes;
+    uint32_t node_begin, leaf_begin; /* in the stage */
+};
+
+static uint32_t final_ref(const struct writing *w, const struct bvh_part *part, uint32_t ref)
+{
+    const uint32_t index = bvh_ref_index(ref);
+    switch (bvh_ref_kind(ref)) {
+    case BVH_NODE:
+        return bvh_ref_make(BVH_NODE, w->node_begin + part->node_begin + index);
+    case BVH_BLOCK:
+        return bvh_ref_make(BVH_BLOCK, w->leaf_begin + part->leaf_begin + index);
+    case REF_PART:
+        return bvh_ref_make(BVH_NODE, w->node_begin + w->plan->parts[index].node_begin);
+    default:
+        return ref;
+    }
+}
+
+static void write_part(void *arg, uint32_t i)
+{
+    const struct writing *w = arg;
+    const struct bvh_part *part = &w->plan->parts[i];
+    for (uint32_t n = 0; n < part->node_count; n++) {
+        struct bvh_node *node = &w->nodes[part->node_begin + n];
+        *node = *node_of(part, n);
+        for (uint32_t k = 0; node->used >> k; k++)
+            node->child[k] = final_ref(w, part, node->child[k]);
+    }
+}
+
+uint32_t bvh_plan_write(const struct bvh_plan *plan, struct bvh_node *nodes, uint32_t node_begin,
+                        uint32_t leaf_begin, const struct crew *crew)
+{
+    struct writing w = {plan, nodes, node_begin, leaf_begin};
+    crew_run(crew, write_part, &w, plan->part_count);
+    return plan->part_count ? final_ref(&w, &plan->parts[0], plan->root) : plan->root;
+}
+
+void bvh_plan_release(struct bvh_plan *plan)
+{
+    for (uint32_t i = 0; i < plan->part_count; i++)
+        arena_release(&plan->parts[i].arena);
+    arena_release(&plan->arena);
 }

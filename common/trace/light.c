@@ -43,19 +43,19 @@ static float area_pdf_w(vec3 d, vec3 ng, float area)
     return cos > 0 ? dd / (cos * area) : 0;
 }
 
-static struct surface point_on_triangle(const struct stage *s, uint32_t prim, struct square q)
+static struct surface point_on_triangle(const struct stage *s, struct stage_id id, struct square q)
 {
     const struct square b = warp_triangle(q);
-    return surface_on_triangle(s, prim, b.u, b.v);
+    return surface_on_triangle(s, id, b.u, b.v);
 }
 
-static struct surface point_on_disc(const struct stage *s, uint32_t prim, uint32_t index,
-                                    struct square q)
+static struct surface point_on_disc(const struct stage *s, struct stage_id id, struct square q)
 {
-    const struct stage_disc *disc = (const struct stage_disc *)stage_at(s, s->discs) + index;
+    const struct stage_disc *disc =
+        (const struct stage_disc *)stage_at(s, s->discs) + id.place.index;
     const struct warp_frame f = warp_frame_make(vec3_load(disc->normal));
     const vec3 p = warp_to_world(&f, warp_disc(q)) * disc->radius;
-    return surface_on_disc(s, prim, vec3_load(disc->center) + p);
+    return surface_on_disc(s, id, vec3_load(disc->center) + p);
 }
 
 /* --- spheres: uniform in the cone they fill --- */
@@ -85,7 +85,7 @@ static float sphere_pdf_w(const struct stage_sphere *sphere, vec3 to_center)
  *
  *     sin alpha = rho (cos theta - sin theta_max sqrt(1 - rho^2))
  *     cos alpha = rho^2 sin theta_max + cos theta sqrt(1 - rho^2) */
-static struct surface point_on_sphere(const struct stage *s, uint32_t prim,
+static struct surface point_on_sphere(const struct stage *s, struct stage_id id,
                                       const struct stage_sphere *sphere, vec3 to_center,
                                       struct square q)
 {
@@ -100,7 +100,7 @@ static struct surface point_on_sphere(const struct stage *s, uint32_t prim,
     const float cosine = rr * sine_max + (1 - m) * root;
     float a, b;
     fmath_sincos_turns(q.v, &a, &b);
-    return surface_on_sphere(s, prim, warp_to_world(&f, vec3_make(sine * b, sine * a, -cosine)));
+    return surface_on_sphere(s, id, warp_to_world(&f, vec3_make(sine * b, sine * a, -cosine)));
 }
 
 /* --- the choice --- */
@@ -112,26 +112,28 @@ static bool sample_primitive(const struct stage *s, const struct surface *from,
 {
     if (e->prim == from->prim)
         return false;
-    const struct stage_prim *prim = (const struct stage_prim *)stage_at(s, s->prims) + e->prim;
+    const struct stage_id id = {e->prim, e->place, STAGE_NONE};
     struct surface on;
     float pdf_w = 0;
-    switch ((enum stage_prim_kind)prim->kind) {
+    switch ((enum stage_kind)id.place.kind) {
     case STAGE_TRIANGLE:
-        on = point_on_triangle(s, e->prim, q);
+        on = point_on_triangle(s, id, q);
         pdf_w = area_pdf_w(on.p - from->p, on.ng, e->area);
         break;
     case STAGE_DISC:
-        on = point_on_disc(s, e->prim, prim->index, q);
+        on = point_on_disc(s, id, q);
         pdf_w = area_pdf_w(on.p - from->p, on.ng, e->area);
         break;
     case STAGE_SPHERE: {
-        const struct stage_sphere *sphere = sphere_at(s, prim->index);
+        const struct stage_sphere *sphere = sphere_at(s, id.place.index);
         const vec3 to_center = vec3_load(sphere->center) - from->p;
         pdf_w = sphere_pdf_w(sphere, to_center);
         if (pdf_w > 0)
-            on = point_on_sphere(s, e->prim, sphere, to_center, q);
+            on = point_on_sphere(s, id, sphere, to_center, q);
         break;
     }
+    case STAGE_KINDS:
+        __builtin_unreachable();
     }
     if (!(pdf_w > 0))
         return false;
@@ -177,16 +179,17 @@ bool light_sample(const struct stage *s, const struct surface *from, uint32_t pi
 float light_pdf_w(const struct stage *s, vec3 from, const struct surface *at)
 {
     const struct emitter *e = emitter_at(s, at->emitter);
-    const struct stage_prim *prim = (const struct stage_prim *)stage_at(s, s->prims) + at->prim;
     const float pick = (float)pick_probability(s, at->emitter);
-    switch ((enum stage_prim_kind)prim->kind) {
+    switch ((enum stage_kind)e->place.kind) {
     case STAGE_TRIANGLE:
     case STAGE_DISC:
         return pick * area_pdf_w(at->p - from, at->ng, e->area);
     case STAGE_SPHERE: {
-        const struct stage_sphere *sphere = sphere_at(s, prim->index);
+        const struct stage_sphere *sphere = sphere_at(s, e->place.index);
         return pick * sphere_pdf_w(sphere, vec3_load(sphere->center) - from);
     }
+    case STAGE_KINDS:
+        break;
     }
     __builtin_unreachable();
 }

@@ -4,219 +4,12 @@
 #include <assert.h>
 #include <string.h>
 
-#include "common/trace/bvh.h"
 #include "common/trace/fmath.h"
-#include "common/trace/sphere.h"
-#include "common/trace/tri.h"
+#include "common/trace/prep_plan.h"
 
 enum { ALIGN = 64 };
 
 #define PI 3.14159265358979323846
-
-/* Everything before it is copied into the block. Memory of the scratch arena. */
-struct plan {
-    const struct scene *scene;
-    struct stage head;
-    struct stage_prim *prims;
-    struct stage_triangle *triangles;
-    struct stage_sphere *spheres;
-    struct stage_disc *discs;
-    struct emitter *emitters;
-    double *power; /* of each emitter */
-    float *pick_cdf;
-    struct bvh_box *boxes;
-    unsigned char *kinds;
-    struct bvh_tree tree;
-};
-
-/* Upper bounds of what each shape adds. */
-static uint64_t count_prims(const struct scene *scene)
-{
-    uint64_t n = 0;
-    for (uint32_t i = 0; i < scene->shape_count; i++) {
-        const struct shape *s = &scene->shapes[i];
-        n += s->kind == SHAPE_MESH ? scene->meshes[s->mesh.mesh].triangle_count
-             : s->kind == SHAPE_QUAD ? 2 : 1;
-    }
-    return n;
-}
-
-static struct plan plan_make(const struct scene *scene, uint64_t prims, struct arena *scratch)
-{
-    const uint64_t emitters = prims + scene->light_count;
-    return (struct plan){
-        .scene = scene,
-        .prims = arena_new(scratch, struct stage_prim, prims),
-        .triangles = arena_new(scratch, struct stage_triangle, prims),
-        .spheres = arena_new(scratch, struct stage_sphere, prims),
-        .discs = arena_new(scratch, struct stage_disc, prims),
-        .emitters = arena_new(scratch, struct emitter, emitters),
-        .power = arena_new(scratch, double, emitters),
-        .pick_cdf = arena_new(scratch, float, emitters + 1),
-        .boxes = arena_new(scratch, struct bvh_box, prims),
-        .kinds = arena_new(scratch, unsigned char, prims),
-    };
-}
-
-/* --- primitives --- */
-
-/* `area` in m^2. Radiance L from a Lambertian emitter of area A is a power of pi A L. */
-static void add_prim(struct plan *p, uint32_t shape, enum stage_prim_kind kind, uint32_t index,
-                     struct bvh_box box, double area)
-{
-    const struct shape *from = &p->scene->shapes[shape];
-    const uint64_t prim = p->head.prims.count++;
-    p->boxes[prim] = box;
-    p->kinds[prim] = (unsigned char)kind;
-    p->prims[prim] = (struct stage_prim){
-        .shape = shape,
-        .material = from->material,
-        .kind = (uint32_t)kind & 3,
-        .index = index & 0x3fffffff,
-        .emitter = STAGE_NONE,
-    };
-    if (rgb_is_black(from->emission))
-        return;
-    const uint64_t at = p->head.emitters.count++;
-    p->prims[prim].emitter = (uint32_t)at;
-    p->power[at] = PI * area * (double)rgb_luminance(from->emission);
-    struct emitter *e = &p->emitters[at];
-    *e = (struct emitter){.kind = EMITTER_PRIM, .prim = (uint32_t)prim, .area = (float)area};
-    vec3_store(e->radiance, from->emission);
-}
-
-static bool is_finite3(const float v[3])
-{
-    return v[0] - v[0] == 0 && v[1] - v[1] == 0 && v[2] - v[2] == 0;
-}
-
-/* Twice the area, in double: exact enough to be 0 just for collinear vertices. */
-static double double_area(const struct stage_triangle *t)
-{
-    double a[3], b[3], sum = 0;
-    for (int k = 0; k < 3; k++) {
-        a[k] = (double)t->v[1][k] - (double)t->v[0][k];
-        b[k] = (double)t->v[2][k] - (double)t->v[0][k];
-    }
-    for (int k = 0; k < 3; k++) {
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
-        const double n = a[i] * b[j] - a[j] * b[i];
-        sum += n * n;
-    }
-    return __builtin_sqrt(sum);
-}
-
-static void add_triangle(struct plan *p, uint32_t shape, vec3 a, vec3 b, vec3 c)
-{
-    struct stage_triangle t;
-    vec3_store(t.v[0], a);
-    vec3_store(t.v[1], b);
-    vec3_store(t.v[2], c);
-    if (!is_finite3(t.v[0]) || !is_finite3(t.v[1]) || !is_finite3(t.v[2])) {
-        p->head.dropped_nonfinite++;
-        return;
-    }
-    const double area = double_area(&t) / 2;
-    if (!(area > 0)) {
-        p->head.dropped_degenerate++;
-        return;
-    }
-    const uint64_t index = p->head.triangles.count++;
-    p->triangles[index] = t;
-    const struct stage_triangle *kept = &p->triangles[index];
-    struct bvh_box box;
-    tri_bounds(kept->v, box.lo, box.hi);
-    add_prim(p, shape, STAGE_TRIANGLE, (uint32_t)index, box, area);
-}
-
-static float determinant(const struct xform *x)
-{
-    const vec3 a = vec3_make(x->m[0][0], x->m[1][0], x->m[2][0]);
-    const vec3 b = vec3_make(x->m[0][1], x->m[1][1], x->m[2][1]);
-    const vec3 c = vec3_make(x->m[0][2], x->m[1][2], x->m[2][2]);
-    return vec3_dot(vec3_cross(a, b), c);
-}
-
-/* The front stays where the author put it: a mirroring transform turns the winding, so it is turned
- * back. */
-static void add_mesh(struct plan *p, uint32_t shape, const struct shape *s)
-{
-    const struct mesh *mesh = &p->scene->meshes[s->mesh.mesh];
-    const bool mirrored = determinant(&s->to_world) < 0;
-    for (uint32_t i = 0; i < mesh->triangle_count; i++) {
-        vec3 v[3];
-        for (size_t k = 0; k < 3; k++) {
-            const size_t at = mesh->indices[3 * (size_t)i + k];
-            v[k] = xform_point(&s->to_world, vec3_load(mesh->vertices + 3 * at));
-        }
-        add_triangle(p, shape, v[0], v[mirrored ? 2 : 1], v[mirrored ? 1 : 2]);
-    }
-}
-
-static void add_quad(struct plan *p, uint32_t shape, const struct shape *s)
-{
-    const bool mirrored = determinant(&s->to_world) < 0;
-    vec3 v[4];
-    for (int k = 0; k < 4; k++)
-        v[mirrored ? 3 - k : k] = xform_point(&s->to_world, vec3_load(s->quad.vertices[k]));
-    add_triangle(p, shape, v[0], v[1], v[2]);
-    add_triangle(p, shape, v[0], v[2], v[3]);
-}
-
-/* The transform is a similarity: any column's length is its scale. */
-static float scale_of(const struct xform *x)
-{
-    return vec3_length(vec3_make(x->m[0][0], x->m[1][0], x->m[2][0]));
-}
-
-static void add_sphere(struct plan *p, uint32_t shape, const struct shape *s)
-{
-    const vec3 center = xform_point(&s->to_world, vec3_load(s->sphere.center));
-    const float radius = s->sphere.radius * scale_of(&s->to_world);
-    const uint64_t index = p->head.spheres.count++;
-    p->spheres[index].radius = radius;
-    vec3_store(p->spheres[index].center, center);
-    const double rr = (double)radius * (double)radius;
-    struct bvh_box box;
-    sphere_bounds(p->spheres[index].center, radius, box.lo, box.hi);
-    add_prim(p, shape, STAGE_SPHERE, (uint32_t)index, box, 4 * PI * rr);
-}
-
-/* n turned by a similarity: its scale drops out in the unit length, a mirror image keeps its front. */
-static void add_disc(struct plan *p, uint32_t shape, const struct shape *s)
-{
-    const vec3 center = xform_point(&s->to_world, vec3_load(s->disc.center));
-    const vec3 n = vec3_unit(xform_vector(&s->to_world, vec3_load(s->disc.normal)));
-    const float radius = s->disc.radius * scale_of(&s->to_world);
-    const uint64_t index = p->head.discs.count++;
-    p->discs[index].radius = radius;
-    vec3_store(p->discs[index].center, center);
-    vec3_store(p->discs[index].normal, n);
-    struct bvh_box box;
-    sphere_bounds(p->discs[index].center, radius, box.lo, box.hi);
-    add_prim(p, shape, STAGE_DISC, (uint32_t)index, box, PI * (double)radius * (double)radius);
-}
-
-static void add_shapes(struct plan *p)
-{
-    for (uint32_t i = 0; i < p->scene->shape_count; i++) {
-        const struct shape *s = &p->scene->shapes[i];
-        switch (s->kind) {
-        case SHAPE_SPHERE:
-            add_sphere(p, i, s);
-            break;
-        case SHAPE_DISC:
-            add_disc(p, i, s);
-            break;
-        case SHAPE_QUAD:
-            add_quad(p, i, s);
-            break;
-        case SHAPE_MESH:
-            add_mesh(p, i, s);
-            break;
-        }
-    }
-}
 
 /* --- lights --- */
 
@@ -231,7 +24,7 @@ static double scene_radius(const struct stage *head)
     return __builtin_sqrt(sum) / 2;
 }
 
-static void add_lights(struct plan *p)
+static void add_lights(struct prep_plan *p)
 {
     const double radius = scene_radius(&p->head);
     for (uint32_t i = 0; i < p->scene->light_count; i++) {
@@ -265,7 +58,7 @@ enum { PICK_STEPS = 1 << 24 };
 /* Chosen in proportion to power; all alike when none has any. Every emitter gets a step of the table,
  * however weak it is: one that is never chosen would be missing, since nothing else finds a point
  * or a distant light. (More than 2^23 emitters are surfaces, which directions find, too.) */
-static void pick_emitters(struct plan *p)
+static void pick_emitters(struct prep_plan *p)
 {
     const uint64_t n = p->head.emitters.count;
     double total = 0, sum = 0;
@@ -284,7 +77,7 @@ static void pick_emitters(struct plan *p)
 
 /* --- camera --- */
 
-static void aim_camera(struct plan *p)
+static void aim_camera(struct prep_plan *p)
 {
     const struct scene_film *film = &p->scene->film;
     const struct xform *m = &p->scene->camera.to_world;
@@ -304,39 +97,40 @@ static void aim_camera(struct plan *p)
 
 struct piece {
     struct stage_span *span; /* in the head; its count is set */
-    const void *data;
-    size_t size; /* of an element */
+    const void *data;        /* NULL: written later */
+    size_t size;             /* of an element */
 };
 
-static void bound_scene(struct plan *p)
-{
-    for (uint64_t i = 0; i < p->head.prims.count; i++)
-        for (int k = 0; k < 3; k++) {
-            const float lo = p->boxes[i].lo[k], hi = p->boxes[i].hi[k];
-            if (!i || lo < p->head.bounds[0][k])
-                p->head.bounds[0][k] = lo;
-            if (!i || hi > p->head.bounds[1][k])
-                p->head.bounds[1][k] = hi;
-        }
-}
-
-static const struct stage *lay_out(struct plan *p, struct arena *arena)
+static void count_pieces(struct prep_plan *p)
 {
     struct stage *head = &p->head;
+    head->shapes.count = (uint64_t)p->scene->shape_count + 1;
     head->pick_cdf.count = head->emitters.count + 1;
     head->materials.count = p->scene->material_count;
-    head->nodes.count = p->tree.node_count;
-    head->leaf_prims.count = head->prims.count;
+    head->trees.count = p->tree_count;
+    for (uint32_t i = 0; i < p->tree_count; i++) {
+        const struct bvh_plan *plan = &p->trees[i].plan;
+        head->nodes.count += plan->node_count;
+        head->blocks.count += plan->leaf_count;
+        head->bvh_depth = max_u32(head->bvh_depth, plan->depth);
+    }
+}
+
+static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
+{
+    struct stage *head = &p->head;
+    count_pieces(p);
     const struct piece pieces[] = {
-        {&head->prims, p->prims, sizeof *p->prims},
-        {&head->triangles, p->triangles, sizeof *p->triangles},
+        {&head->shapes, p->shapes, sizeof *p->shapes},
+        {&head->trees, NULL, sizeof(struct stage_tree)},
+        {&head->nodes, NULL, sizeof(struct bvh_node)},
+        {&head->blocks, NULL, sizeof(struct stage_block)},
+        {&head->instances, p->instances, sizeof *p->instances},
         {&head->spheres, p->spheres, sizeof *p->spheres},
         {&head->discs, p->discs, sizeof *p->discs},
         {&head->materials, p->scene->materials, sizeof *p->scene->materials},
         {&head->emitters, p->emitters, sizeof *p->emitters},
         {&head->pick_cdf, p->pick_cdf, sizeof *p->pick_cdf},
-        {&head->nodes, p->tree.nodes, sizeof *p->tree.nodes},
-        {&head->leaf_prims, p->tree.leaf_prims, sizeof *p->tree.leaf_prims},
     };
     uint64_t bytes = (sizeof *head + ALIGN - 1) / ALIGN * ALIGN;
     for (size_t i = 0; i < countof(pieces); i++) {
@@ -347,35 +141,102 @@ static const struct stage *lay_out(struct plan *p, struct arena *arena)
     unsigned char *block = arena_alloc(arena, bytes, 1, ALIGN);
     memcpy(block, head, sizeof *head);
     for (size_t i = 0; i < countof(pieces); i++)
-        if (pieces[i].span->count)
+        if (pieces[i].span->count && pieces[i].data)
             memcpy(block + pieces[i].span->offset, pieces[i].data,
                    pieces[i].span->count * pieces[i].size);
     struct material *materials = (struct material *)(void *)(block + head->materials.offset);
     for (uint64_t i = 0; i < head->materials.count; i++)
         materials[i].name = NULL; /* a pointer means nothing elsewhere */
-    return (const struct stage *)(const void *)block;
+    return block;
 }
 
-bool prep_stage(const struct scene *scene, struct arena *arena, struct arena *scratch,
-                const struct stage **stage, struct err *err)
+/* --- trees --- */
+
+struct filling { /* of the blocks of one tree */
+    const struct prep_tree *tree;
+    struct stage_block *blocks;
+};
+
+static void fill_block(const struct prep_tree *tree, struct bvh_leaf leaf, struct stage_block *b)
 {
-    const uint64_t prims = count_prims(scene), most = 1u << 29;
-    if (prims > most)
-        return err_set(err, ERR_LIMIT, "scene has %llu primitives, at most %llu are allowed",
-                       (unsigned long long)prims, (unsigned long long)most);
-    struct plan p = plan_make(scene, prims, scratch);
+    for (uint32_t lane = 0; lane < STAGE_LANES; lane++) {
+        const bool used = lane < leaf.end - leaf.begin;
+        const uint32_t from = used ? tree->items[leaf.begin + lane].index : 0;
+        b->prim[lane] = used ? tree->prims[from] : STAGE_NONE;
+        for (int i = 0; i < 3; i++)
+            for (int k = 0; k < 3; k++)
+                b->v[i][k][lane] = used ? tree->triangles[from].v[i][k] : __builtin_nanf("");
+    }
+}
+
+static void fill_part(void *arg, uint32_t i)
+{
+    const struct filling *f = arg;
+    const struct bvh_part *part = &f->tree->plan.parts[i];
+    for (uint32_t n = 0; n < part->leaf_count; n++)
+        fill_block(f->tree, part->leaves[n], &f->blocks[part->leaf_begin + n]);
+}
+
+/* Where the lights among the world's triangles have come to lie: their index was their number among
+ * the triangles so far. */
+static void place_emitters(const struct prep_plan *p, struct emitter *emitters,
+                           struct arena *scratch)
+{
+    const struct prep_tree *world = &p->trees[0];
+    if (!p->head.emitters.count || !world->triangle_count)
+        return;
+    uint32_t *lane_of = arena_new(scratch, uint32_t, world->triangle_count);
+    for (uint32_t i = 0; i < world->plan.part_count; i++) {
+        const struct bvh_part *part = &world->plan.parts[i];
+        for (uint32_t n = 0; n < part->leaf_count; n++)
+            for (uint32_t k = part->leaves[n].begin; k < part->leaves[n].end; k++)
+                lane_of[world->items[k].index] =
+                    STAGE_LANES * (part->leaf_begin + n) + k - part->leaves[n].begin;
+    }
+    for (uint64_t i = 0; i < p->head.emitters.count; i++)
+        if (emitters[i].kind == EMITTER_PRIM && emitters[i].place.kind == STAGE_TRIANGLE)
+            emitters[i].place.index = lane_of[emitters[i].place.index] & 0x1fffffff;
+}
+
+static void write_trees(const struct prep_plan *p, unsigned char *block, const struct crew *crew)
+{
+    const struct stage *head = &p->head;
+    struct bvh_node *nodes = (struct bvh_node *)(void *)(block + head->nodes.offset);
+    struct stage_block *blocks = (struct stage_block *)(void *)(block + head->blocks.offset);
+    struct stage_tree *trees = (struct stage_tree *)(void *)(block + head->trees.offset);
+    uint32_t node_begin = 0, block_begin = 0;
+    for (uint32_t i = 0; i < p->tree_count; i++) {
+        const struct bvh_plan *plan = &p->trees[i].plan;
+        trees[i].root = bvh_plan_write(plan, nodes + node_begin, node_begin, block_begin, crew);
+        trees[i].block_begin = block_begin;
+        trees[i].block_end = block_begin + plan->leaf_count;
+        struct filling f = {&p->trees[i], blocks + block_begin};
+        crew_run(crew, fill_part, &f, plan->part_count);
+        node_begin += plan->node_count;
+        block_begin += plan->leaf_count;
+    }
+}
+
+bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena *arena,
+                struct arena *scratch, const struct stage **stage, struct err *err)
+{
+    struct prep_plan p;
+    if (!prep_plan_make(&p, scene, scratch, err))
+        return false;
     memcpy(p.head.magic, "SMSTAGE", sizeof p.head.magic);
     p.head.version = STAGE_VERSION;
     p.head.struct_bytes = sizeof p.head;
     p.head.film = scene->film;
     p.head.settings = scene->settings;
-    add_shapes(&p);
-    bound_scene(&p);
+    prep_shapes(&p, crew);
     add_lights(&p);
     pick_emitters(&p);
     aim_camera(&p);
-    p.tree = bvh_build(p.boxes, p.kinds, (uint32_t)p.head.prims.count, scratch);
-    p.head.bvh_depth = p.tree.depth;
-    *stage = lay_out(&p, arena);
+    unsigned char *block = lay_out(&p, arena);
+    write_trees(&p, block, crew);
+    place_emitters(&p, (struct emitter *)(void *)(block + p.head.emitters.offset), scratch);
+    for (uint32_t i = 0; i < p.tree_count; i++)
+        bvh_plan_release(&p.trees[i].plan);
+    *stage = (const struct stage *)(const void *)block;
     return true;
 }

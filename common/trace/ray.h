@@ -3,7 +3,7 @@
 #ifndef COMMON_TRACE_RAY_H
 #define COMMON_TRACE_RAY_H
 
-#include "common/vec.h"
+#include "common/trace/stage.h"
 
 struct ray {
     vec3 origin;
@@ -13,8 +13,10 @@ struct ray {
 
 struct ray_hit {
     float t;
-    uint32_t prim; /* global primitive number (stage.h) */
-    float u, v;    /* triangle: barycentric weights of vertices 1 and 2; else unused */
+    uint32_t prim; /* number of the primitive (stage.h) */
+    float u, v;    /* triangle: barycentric weights of vertices 1 and 2; else 0 */
+    struct stage_place place;
+    uint32_t instance; /* or STAGE_NONE */
 };
 
 #endif

@@ -34,9 +34,8 @@ static inline void sphere_bounds(const float center[3], float radius, float lo[3
     }
 }
 
-/* The nearest t in (0, t_max] from outside or inside. False for a NaN. */
-static inline bool sphere_hit(const struct ray *r, const struct stage_sphere *s, float t_max,
-                              float *t)
+/* The nearest t > 0 from outside or inside. False for a NaN. */
+static inline bool sphere_hit(const struct ray *r, const struct stage_sphere *s, float *t)
 {
     double f[3], d[3], l[3];
     sphere_relative(r, s->center, f, d);
@@ -57,18 +56,17 @@ static inline bool sphere_hit(const struct ray *r, const struct stage_sphere *s,
         t1 = swap;
     }
     *t = (float)(t0 > 0 ? t0 : t1);
-    return *t > 0 && *t <= t_max;
+    return *t > 0;
 }
 
-static inline bool sphere_disc_hit(const struct ray *r, const struct stage_disc *s, float t_max,
-                                   float *t)
+static inline bool sphere_disc_hit(const struct ray *r, const struct stage_disc *s, float *t)
 {
     double f[3], d[3];
     sphere_relative(r, s->center, f, d);
     const double n[3] = {(double)s->normal[0], (double)s->normal[1], (double)s->normal[2]};
     const double at = -sphere_dot(n, f) / sphere_dot(n, d);
     *t = (float)at;
-    if (!(*t > 0 && *t <= t_max))
+    if (!(*t > 0))
         return false;
     for (int k = 0; k < 3; k++)
         f[k] += at * d[k];

@@ -4,48 +4,85 @@
  * header, so the same bytes can be written to a file, mapped anywhere read-only and
  * shared by processes. prep.c makes it, everything else sees `const struct stage *`.
  *
- * Geometry is in world space. Primitives are numbered once, in document order (shape by shape, a
- * mesh's triangles in file order, a quad as two triangles): `prim`. That number breaks ties
- * between equally near hits, so the hit is a pure function of the ray. The BVH's leaves hold
- * primitives of one kind each.
+ * Primitives are numbered once, in document order (shape by shape, a mesh's triangles in file
+ * order, a quad as two triangles): `prim`. That number breaks ties between equally near hits, so
+ * the hit is a pure function of the ray. Their vertices are in world space, in leaves of the
+ * hierarchy: `struct stage_place` says where.
+ *
+ * A mesh that many shapes use may be stored once, in object space, as a tree of its own (prep.h says
+ * when). A hit on it is still tested in world space, with the very vertices that a copy would have had.
  * SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_STAGE_H
 #define COMMON_TRACE_STAGE_H
 
 #include "common/scene.h"
 
-enum { STAGE_VERSION = 1 };
+#define STAGE_NONE UINT32_MAX
+
+enum { STAGE_VERSION = 2, STAGE_LANES = 8 };
 
 struct stage_span { /* an array inside the block */
     uint64_t offset; /* bytes from the start of the stage, 64-aligned */
     uint64_t count;  /* elements */
 };
 
+enum stage_kind { STAGE_TRIANGLE, STAGE_SPHERE, STAGE_DISC, STAGE_KINDS };
+
+/* Where a primitive is stored. */
+struct stage_place {
+    uint32_t kind : 3;   /* enum stage_kind */
+    uint32_t index : 29; /* into spheres or discs; a triangle's: 8 * block + lane */
+};
+
+struct stage_id { /* a primitive: its number, and the way to it */
+    uint32_t prim;
+    struct stage_place place;
+    uint32_t instance; /* or STAGE_NONE: it is the world's own */
+};
+
+/* Eight triangles of one leaf, lane by lane: 320 bytes. Lanes not used are NaN, which no ray hits. */
+struct stage_block {
+    float v[3][3][STAGE_LANES]; /* [vertex][axis][lane] */
+    uint32_t prim[STAGE_LANES]; /* a shared mesh's: number within the mesh. STAGE_NONE: no triangle */
+};
+
 struct stage_triangle {
-    float v[3][3];
+    float v[3][3]; /* [vertex][axis] */
 };
 
 struct stage_sphere {
     float center[3], radius;
+    uint32_t prim, pad[3];
 };
 
 struct stage_disc {
     float center[3], radius;
     float normal[3]; /* unit */
-    float pad;
+    uint32_t prim;
 };
 
-enum stage_prim_kind { STAGE_TRIANGLE, STAGE_SPHERE, STAGE_DISC };
-
-struct stage_prim { /* indexed by prim */
-    uint32_t shape; /* index into scene.shapes, for reports */
+struct stage_shape { /* of the document, in its order */
+    uint32_t prim_begin;    /* its first primitive's number; the next shape's is where they end */
     uint32_t material;
-    uint32_t kind : 2;   /* enum stage_prim_kind */
-    uint32_t index : 30; /* into triangles, spheres or discs */
-    uint32_t emitter;    /* index into emitters, or STAGE_NONE */
+    uint32_t emitter_begin; /* of its first primitive, the others follow; STAGE_NONE: no light */
 };
 
-#define STAGE_NONE UINT32_MAX
+/* A hierarchy. The first is the world's, the others are of shared meshes. */
+struct stage_tree {
+    uint32_t root;                   /* bvh.h */
+    uint32_t block_begin, block_end; /* its triangles */
+};
+
+/* A shape whose mesh is shared. */
+struct stage_instance {
+    struct xform to_world;
+    double to_object[3][4];
+    uint32_t tree, shape, prim_begin;
+    uint32_t mirrored; /* 1: vertices 1 and 2 change places, so that the front stays the front */
+    float lo[3], hi[3]; /* bounds in the world */
+    float spread[3];   /* a world distance of 1 is at most this far along each axis in object space */
+    float pad[3];
+};
 
 /* Something next-event estimation can aim at: an emissive primitive, a point or a distant light. */
 enum emitter_kind { EMITTER_PRIM, EMITTER_POINT, EMITTER_DISTANT };
@@ -53,6 +90,7 @@ enum emitter_kind { EMITTER_PRIM, EMITTER_POINT, EMITTER_DISTANT };
 struct emitter {
     enum emitter_kind kind;
     uint32_t prim;     /* EMITTER_PRIM */
+    struct stage_place place; /* EMITTER_PRIM */
     float radiance[3]; /* EMITTER_PRIM: radiance; POINT: intensity; DISTANT: irradiance */
     float at[3];       /* POINT: position; DISTANT: direction of travel, unit */
     float area;        /* EMITTER_PRIM: m^2 */
@@ -80,20 +118,62 @@ struct stage {
     uint32_t dropped_nonfinite;  /* triangles with a vertex that is not finite */
     uint32_t bvh_depth;
 
-    struct stage_span prims;     /* struct stage_prim */
-    struct stage_span triangles; /* struct stage_triangle */
+    uint32_t prim_count;
+
+    struct stage_span shapes;    /* struct stage_shape, and one more, whose prim_begin is prim_count */
+    struct stage_span trees;     /* struct stage_tree */
+    struct stage_span nodes;     /* struct bvh_node (bvh.h), of all trees */
+    struct stage_span blocks;    /* struct stage_block, of all trees */
+    struct stage_span instances; /* struct stage_instance */
     struct stage_span spheres;   /* struct stage_sphere */
     struct stage_span discs;     /* struct stage_disc */
     struct stage_span materials; /* struct material, names NULL */
     struct stage_span emitters;  /* struct emitter */
     struct stage_span pick_cdf;  /* float: cumulative pick, one more than emitters */
-    struct stage_span nodes;     /* struct bvh_node (bvh.h) */
-    struct stage_span leaf_prims; /* uint32_t prim numbers in leaf order */
 };
 
 static inline const void *stage_at(const struct stage *s, struct stage_span span)
 {
     return (const unsigned char *)s + span.offset;
+}
+
+static inline const struct stage_instance *stage_instance_at(const struct stage *s, uint32_t i)
+{
+    return (const struct stage_instance *)stage_at(s, s->instances) + i;
+}
+
+/* The world's vertices of a triangle; instance: STAGE_NONE for one that is not shared. */
+static inline struct stage_triangle stage_triangle_at(const struct stage *s, uint32_t index,
+                                                      uint32_t instance)
+{
+    const struct stage_block *b =
+        (const struct stage_block *)stage_at(s, s->blocks) + index / STAGE_LANES;
+    const uint32_t lane = index % STAGE_LANES;
+    struct stage_triangle t;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            t.v[i][k] = b->v[i][k][lane];
+    if (instance == STAGE_NONE)
+        return t;
+    const struct stage_instance *of = stage_instance_at(s, instance);
+    struct stage_triangle world;
+    for (int i = 0; i < 3; i++)
+        vec3_store(world.v[of->mirrored ? (3 - i) % 3 : i],
+                   xform_point(&of->to_world, vec3_load(t.v[i])));
+    return world;
+}
+
+/* The shape that a primitive belongs to: the last one that does not begin after it. */
+static inline uint32_t stage_shape_of(const struct stage *s, uint32_t prim)
+{
+    const struct stage_shape *shapes = stage_at(s, s->shapes);
+    uint32_t begin = 0, count = (uint32_t)s->shapes.count - 1;
+    while (count > 1) {
+        const uint32_t half = count / 2;
+        begin = shapes[begin + half].prim_begin <= prim ? begin + half : begin;
+        count -= half;
+    }
+    return begin;
 }
 
 #endif

@@ -3,20 +3,19 @@
 
 #include "common/trace/round.h"
 
-static const struct stage_prim *prim_at(const struct stage *s, uint32_t prim)
-{
-    return (const struct stage_prim *)stage_at(s, s->prims) + prim;
-}
-
 static vec3 absolute(vec3 v)
 {
     return vec3_make(__builtin_fabsf(v[0]), __builtin_fabsf(v[1]), __builtin_fabsf(v[2]));
 }
 
-static struct surface make(const struct stage *s, uint32_t prim, vec3 p, vec3 p_error, vec3 ng)
+static struct surface make(const struct stage *s, struct stage_id id, vec3 p, vec3 p_error, vec3 ng)
 {
-    const struct stage_prim *is = prim_at(s, prim);
-    return (struct surface){p, p_error, ng, prim, is->material, is->emitter};
+    const uint32_t shape = id.instance == STAGE_NONE ? stage_shape_of(s, id.prim)
+                                                     : stage_instance_at(s, id.instance)->shape;
+    const struct stage_shape *of = (const struct stage_shape *)stage_at(s, s->shapes) + shape;
+    const uint32_t emitter =
+        of->emitter_begin == STAGE_NONE ? STAGE_NONE : of->emitter_begin + id.prim - of->prim_begin;
+    return (struct surface){p, p_error, ng, id.prim, of->material, emitter};
 }
 
 /* In double: differences of floats and their products are exact there, so slivers keep a normal. */
@@ -35,24 +34,23 @@ static vec3 triangle_normal(const float v[3][3])
     return vec3_make((float)(n[0] / length), (float)(n[1] / length), (float)(n[2] / length));
 }
 
-struct surface surface_on_triangle(const struct stage *s, uint32_t prim, float u, float v)
+struct surface surface_on_triangle(const struct stage *s, struct stage_id id, float u, float v)
 {
-    const struct stage_triangle *t =
-        (const struct stage_triangle *)stage_at(s, s->triangles) + prim_at(s, prim)->index;
-    const vec3 a = vec3_load(t->v[0]) * (1 - u - v);
-    const vec3 b = vec3_load(t->v[1]) * u;
-    const vec3 c = vec3_load(t->v[2]) * v;
+    const struct stage_triangle t = stage_triangle_at(s, id.place.index, id.instance);
+    const vec3 a = vec3_load(t.v[0]) * (1 - u - v);
+    const vec3 b = vec3_load(t.v[1]) * u;
+    const vec3 c = vec3_load(t.v[2]) * v;
     /* PBRT 4, section 6.8.5: seven roundings at most on the way from vertices to sum. */
     const vec3 error = round_gamma(7) * (absolute(a) + absolute(b) + absolute(c));
-    return make(s, prim, a + b + c, error, triangle_normal(t->v));
+    return make(s, id, a + b + c, error, triangle_normal(t.v));
 }
 
 /* Centre and radius are exact by definition; the sum in double is rounded once to float. The second
  * term covers a direction that is unit only up to float rounding. */
-struct surface surface_on_sphere(const struct stage *s, uint32_t prim, vec3 outward_unit)
+struct surface surface_on_sphere(const struct stage *s, struct stage_id id, vec3 outward_unit)
 {
     const struct stage_sphere *sphere =
-        (const struct stage_sphere *)stage_at(s, s->spheres) + prim_at(s, prim)->index;
+        (const struct stage_sphere *)stage_at(s, s->spheres) + id.place.index;
     double n[3], length = 0;
     for (int k = 0; k < 3; k++) {
         n[k] = (double)outward_unit[k];
@@ -64,14 +62,14 @@ struct surface surface_on_sphere(const struct stage *s, uint32_t prim, vec3 outw
         p[k] = (float)((double)sphere->center[k] + (double)sphere->radius * (n[k] / length));
         ng[k] = (float)(n[k] / length);
     }
-    return make(s, prim, p, round_gamma(2) * absolute(p), ng);
+    return make(s, id, p, round_gamma(2) * absolute(p), ng);
 }
 
 /* The nearest point of the disc's plane, in double, rounded once to float. */
-struct surface surface_on_disc(const struct stage *s, uint32_t prim, vec3 p)
+struct surface surface_on_disc(const struct stage *s, struct stage_id id, vec3 p)
 {
     const struct stage_disc *disc =
-        (const struct stage_disc *)stage_at(s, s->discs) + prim_at(s, prim)->index;
+        (const struct stage_disc *)stage_at(s, s->discs) + id.place.index;
     double off = 0, nn = 0;
     for (int k = 0; k < 3; k++) {
         off += ((double)p[k] - (double)disc->center[k]) * (double)disc->normal[k];
@@ -79,23 +77,25 @@ struct surface surface_on_disc(const struct stage *s, uint32_t prim, vec3 p)
     }
     for (int k = 0; k < 3; k++)
         p[k] = (float)((double)p[k] - off / nn * (double)disc->normal[k]);
-    return make(s, prim, p, round_gamma(2) * absolute(p), vec3_load(disc->normal));
+    return make(s, id, p, round_gamma(2) * absolute(p), vec3_load(disc->normal));
 }
 
 struct surface surface_at(const struct stage *s, const struct ray *ray, const struct ray_hit *hit)
 {
-    const struct stage_prim *prim = prim_at(s, hit->prim);
+    const struct stage_id id = {hit->prim, hit->place, hit->instance};
     const vec3 p = ray->origin + hit->t * ray->dir;
-    switch ((enum stage_prim_kind)prim->kind) {
+    switch ((enum stage_kind)id.place.kind) {
     case STAGE_TRIANGLE:
-        return surface_on_triangle(s, hit->prim, hit->u, hit->v);
+        return surface_on_triangle(s, id, hit->u, hit->v);
     case STAGE_SPHERE: {
         const struct stage_sphere *sphere =
-            (const struct stage_sphere *)stage_at(s, s->spheres) + prim->index;
-        return surface_on_sphere(s, hit->prim, p - vec3_load(sphere->center));
+            (const struct stage_sphere *)stage_at(s, s->spheres) + id.place.index;
+        return surface_on_sphere(s, id, p - vec3_load(sphere->center));
     }
     case STAGE_DISC:
-        return surface_on_disc(s, hit->prim, p);
+        return surface_on_disc(s, id, p);
+    case STAGE_KINDS:
+        break;
     }
     __builtin_unreachable();
 }

@@ -24,9 +24,9 @@ struct surface {
 struct surface surface_at(const struct stage *, const struct ray *, const struct ray_hit *);
 
 /* A point chosen on a primitive by light sampling, with the same guarantees. */
-struct surface surface_on_triangle(const struct stage *, uint32_t prim, float u, float v);
-struct surface surface_on_sphere(const struct stage *, uint32_t prim, vec3 outward_unit);
-struct surface surface_on_disc(const struct stage *, uint32_t prim, vec3 p);
+struct surface surface_on_triangle(const struct stage *, struct stage_id, float u, float v);
+struct surface surface_on_sphere(const struct stage *, struct stage_id, vec3 outward_unit);
+struct surface surface_on_disc(const struct stage *, struct stage_id, vec3 p);
 
 /* The ray from s along dir, t_max infinite. */
 struct ray surface_leave(const struct surface *s, vec3 dir);

@@ -21,7 +21,6 @@ struct tri_ray {
     int kx, ky, kz;   /* z: the axis along which the ray is longest; x, y keep the winding */
     float sx, sy; /* the shear */
     vec3 dir;
-    float t_max;
 };
 
 struct tri_found {
@@ -40,7 +39,7 @@ static inline struct tri_ray tri_ray_make(const struct ray *ray)
         kx = ky;
         ky = k;
     }
-    return (struct tri_ray){ray->origin, kx, ky, kz, d[kx] / d[kz], d[ky] / d[kz], d, ray->t_max};
+    return (struct tri_ray){ray->origin, kx, ky, kz, d[kx] / d[kz], d[ky] / d[kz], d};
 }
 
 /* Twice the signed area of (0, a, b): antisymmetric in a and b to the last bit. */
@@ -86,8 +85,13 @@ static inline void tri_bounds(const float v[3][3], float lo[3], float hi[3])
     }
 }
 
-/* Both faces. Comparisons are written so that a NaN is a miss. t == t_max is accepted: the caller
- * decides among equals. */
+/* None lies on the other side than the others. A NaN does. */
+static inline bool tri_inside(float e0, float e1, float e2)
+{
+    return (e0 >= 0 && e1 >= 0 && e2 >= 0) || (e0 <= 0 && e1 <= 0 && e2 <= 0);
+}
+
+/* Both faces, at any t > 0. Comparisons are written so that a NaN is a miss. */
 static inline bool tri_hit(const struct tri_ray *r, const float v[3][3], struct tri_found *out)
 {
     const vec3 a = vec3_load(v[0]) - r->origin;
@@ -104,13 +108,13 @@ static inline bool tri_hit(const struct tri_ray *r, const float v[3][3], struct 
         e1 = tri_edge_exact(ax, ay, cx, cy);
         e2 = tri_edge_exact(bx, by, ax, ay);
     }
-    if ((e0 < 0 || e1 < 0 || e2 < 0) && (e0 > 0 || e1 > 0 || e2 > 0))
+    if (!tri_inside(e0, e1, e2))
         return false;
     const float det = e0 + e1 + e2;
     if (det == 0) /* seen edge-on */
         return false;
     const float t = tri_plane_t(r->origin, r->dir, v);
-    if (!(t > 0 && t <= r->t_max))
+    if (!(t > 0))
         return false;
     *out = (struct tri_found){t, e1 / det, e2 / det};
     return true;

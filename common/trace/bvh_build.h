@@ -1,0 +1,54 @@
+/* bvh_build.h - items -> hierarchy of eight-wide nodes.
+ *
+ * In two steps, because what a tree needs is known only when it is there: bvh_plan_make sorts the items
+ * and plans nodes and leaves; bvh_plan_write then writes nodes where the caller has made room for
+ * them, and the caller fills the blocks, leaf by leaf.
+ *
+ * A node is made by splitting its range in two (bvh_split.h), and then the part of the largest
+ * surface again, until there are eight: its children. A range that fits in a leaf is one.
+ * Levels of nodes are at most BVH_MAX_DEPTH: a range is halved by count as soon as that is just
+ * enough to end there.
+ *
+ * Deterministic, also with a crew: the plan is cut into parts by the items alone.
+ * SPDX-License-Identifier: MIT */
+#ifndef COMMON_TRACE_BVH_BUILD_H
+#define COMMON_TRACE_BVH_BUILD_H
+
+#include "common/arena.h"
+#include "common/trace/bvh_split.h"
+#include "common/trace/crew.h"
+
+struct bvh_leaf { /* items of a block, half-open */
+    uint32_t begin, end;
+};
+
+struct bvh_part {
+    struct bvh_range range;
+    uint32_t depth; /* of its first node; then of its deepest */
+    struct arena arena;
+    struct bvh_node **chunks;
+    struct bvh_leaf *leaves;
+    uint32_t node_count, leaf_count;
+    uint32_t node_begin, leaf_begin; /* within the plan */
+};
+
+struct bvh_plan {
+    struct bvh_item *items;
+    struct bvh_part *parts; /* the first one holds the root and leads to the others */
+    uint32_t part_count, part_room;
+    uint32_t node_count, leaf_count, depth;
+    uint32_t root; /* counted from the plan's first node, or leaf; BVH_NOTHING without items */
+    struct arena arena;
+};
+
+/* items are reordered and must stay until the plan is released. */
+struct bvh_plan bvh_plan_make(struct bvh_item *items, uint32_t count, const struct crew *);
+
+/* nodes: room for plan.node_count; the first one and leaf 0 will have these numbers in the stage. Returns
+ * the root's reference. */
+uint32_t bvh_plan_write(const struct bvh_plan *, struct bvh_node *nodes, uint32_t node_begin,
+                        uint32_t leaf_begin, const struct crew *);
+
+void bvh_plan_release(struct bvh_plan *);
+
+#endif
