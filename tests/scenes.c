@@ -134,35 +134,32 @@ struct shape *scenes_box(struct scenes *s, uint32_t material, vec3 lo, vec3 hi, 
     return first;
 }
 
-static struct mesh *add_mesh(struct scenes *s, uint32_t vertices, uint32_t triangles, float **v,
-                             uint32_t **i)
+struct scenes_mesh scenes_mesh(struct scenes *s, uint32_t material, uint32_t vertices,
+                               uint32_t triangles)
 {
     if (s->scene.mesh_count == SCENES_MAX)
         abort();
-    struct mesh *m = &s->scene.meshes[s->scene.mesh_count++];
-    *v = arena_new(&s->arena, float, 3 * (size_t)vertices);
-    *i = arena_new(&s->arena, uint32_t, 3 * (size_t)triangles);
-    *m = (struct mesh){.format = MESH_INLINE,
-                       .vertices = *v,
-                       .indices = *i,
-                       .vertex_count = vertices,
-                       .triangle_count = triangles};
-    return m;
+    float *v = arena_new(&s->arena, float, 3 * (size_t)vertices);
+    uint32_t *i = arena_new(&s->arena, uint32_t, 3 * (size_t)triangles);
+    struct shape *shape = add_shape(s, SHAPE_MESH, material);
+    shape->mesh.mesh = s->scene.mesh_count;
+    s->scene.meshes[s->scene.mesh_count++] = (struct mesh){.format = MESH_INLINE,
+                                                           .vertices = v,
+                                                           .indices = i,
+                                                           .vertex_count = vertices,
+                                                           .triangle_count = triangles};
+    return (struct scenes_mesh){shape, (float(*)[3])v, (uint32_t(*)[3])i};
 }
 
 struct shape *scenes_triangle(struct scenes *s, uint32_t material, vec3 a, vec3 b, vec3 c)
 {
-    float *v;
-    uint32_t *i;
-    add_mesh(s, 3, 1, &v, &i);
-    vec3_store(v, a);
-    vec3_store(v + 3, b);
-    vec3_store(v + 6, c);
+    const struct scenes_mesh m = scenes_mesh(s, material, 3, 1);
+    vec3_store(m.vertices[0], a);
+    vec3_store(m.vertices[1], b);
+    vec3_store(m.vertices[2], c);
     for (uint32_t k = 0; k < 3; k++)
-        i[k] = k;
-    struct shape *shape = add_shape(s, SHAPE_MESH, material);
-    shape->mesh.mesh = s->scene.mesh_count - 1;
-    return shape;
+        m.triangles[0][k] = k;
+    return m.shape;
 }
 
 /* Rows of latitude 0..n, columns of longitude 0..2n - 1; the poles' quadrangles are degenerate on
@@ -171,9 +168,9 @@ struct shape *scenes_ball(struct scenes *s, uint32_t material, vec3 center, floa
                           uint32_t n, float wave, bool inside)
 {
     const uint32_t columns = 2 * n;
-    float *v;
-    uint32_t *index;
-    add_mesh(s, (n + 1) * columns, 2 * n * columns, &v, &index);
+    const struct scenes_mesh m = scenes_mesh(s, material, (n + 1) * columns, 2 * n * columns);
+    float *v = m.vertices[0];
+    uint32_t *index = m.triangles[0];
     for (uint32_t row = 0; row <= n; row++)
         for (uint32_t column = 0; column < columns; column++, v += 3) {
             const bool pole = row == 0 || row == n;
@@ -194,9 +191,7 @@ struct shape *scenes_ball(struct scenes *s, uint32_t material, vec3 center, floa
                 index[3 + k] = corner[(inside ? 4 - k : k + 2) % 4];
             }
         }
-    struct shape *shape = add_shape(s, SHAPE_MESH, material);
-    shape->mesh.mesh = s->scene.mesh_count - 1;
-    return shape;
+    return m.shape;
 }
 
 struct light *scenes_light(struct scenes *s, enum light_kind kind)

@@ -35,6 +35,15 @@ struct shape *scenes_quad(struct scenes *, uint32_t material, vec3 corner, vec3 
 struct shape *scenes_triangle(struct scenes *, uint32_t material, vec3 a, vec3 b, vec3 c);
 /* The first of six quads. Their fronts are inside or outside. */
 struct shape *scenes_box(struct scenes *, uint32_t material, vec3 lo, vec3 hi, bool inside);
+/* Room for a mesh, all 0, to be filled before the stage is made. */
+struct scenes_mesh {
+    struct shape *shape;
+    float (*vertices)[3];
+    uint32_t (*triangles)[3];
+};
+
+struct scenes_mesh scenes_mesh(struct scenes *, uint32_t material, uint32_t vertices,
+                               uint32_t triangles);
 /* A sphere of 2 n^2 quadrangles, its radius wavy by the given part. */
 struct shape *scenes_ball(struct scenes *, uint32_t material, vec3 center, float radius, uint32_t n,
                           float wave, bool inside);

@@ -6,39 +6,19 @@
 #include <time.h>
 
 #include "common/trace/surface.h"
+#include "tests/aim.h"
 #include "tests/catalog.h"
 #include "tests/naive_hit.h"
 #include "tests/soup.h"
 #include "tests/stat.h"
 #include "tests/tap.h"
 
-/* A point of a triangle's outline: a vertex, or a point of an edge. */
-static vec3 outline(struct dice *d, const struct stage_triangle *t, bool vertex)
-{
-    const uint32_t k = dice_bits(d) % 3;
-    const vec3 a = vec3_load(t->v[k]), b = vec3_load(t->v[(k + 1) % 3]);
-    return vertex ? a : a + (b - a) * dice_float(d);
-}
-
-static struct stage_triangle any_triangle(struct dice *d, const struct stage *s)
-{
-    const struct stage_block *blocks = stage_at(s, s->blocks);
-    for (;;) {
-        const uint32_t i = dice_bits(d) % (uint32_t)(s->blocks.count * STAGE_LANES);
-        if (blocks[i / STAGE_LANES].prim[i % STAGE_LANES] != STAGE_NONE)
-            return stage_triangle_at(s, i, STAGE_NONE);
-    }
-}
-
 static int count_leaks(const struct stage *s, vec3 center, double spread, bool vertex, int rays)
 {
     struct dice d = dice_make(10);
     int leaks = 0;
     for (int i = 0; i < rays; i++) {
-        const struct stage_triangle t = any_triangle(&d, s);
-        const vec3 at = outline(&d, &t, vertex);
-        const vec3 origin = center + soup_point(&d, spread);
-        const struct ray ray = {origin, at - origin, INFINITY};
+        const struct ray ray = aim_ray(&d, s, center + soup_point(&d, spread), vertex);
         struct ray_hit hit;
         leaks += !bvh_hit_closest(s, &ray, &hit) || !bvh_hit_any(s, &ray);
     }
