@@ -92,7 +92,7 @@ $(B)/fuzz_%: $(O)/tests/fuzz_%.o $(PARTS)
 	@mkdir -p $(@D)
 	$(CC) $(ALL_LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(LIBS_ALL)
 
-$(O)/common/trace/%.o: ALL_CFLAGS += -march=x86-64-v3
+$(O)/common/trace/%.o $(O)/tests/%.o $(O)/bench/%.o: ALL_CFLAGS += -march=x86-64-v3
 $(O)/server/static.o: $(wildcard web/*) docs/scene.schema.json
 $(O)/%.o: %.c Makefile
 	@mkdir -p $(@D)

@@ -13,63 +13,43 @@
 #ifndef COMMON_TRACE_BOX_H
 #define COMMON_TRACE_BOX_H
 
+#include <float.h>
+
 #include "common/trace/ray.h"
 #include "common/trace/round.h"
+#include "common/trace/simd.h"
 
 struct box_ray {
-    float origin[3];
-    float inv[3];   /* 1 / dir: infinite, with dir's sign, where dir is 0 */
-    float shear[3]; /* error of a slab in parts of the distance along z */
-    bool neg[3];    /* inv < 0: the upper plane is the near one */
-    int z;          /* the axis along which the ray is longest */
+    vec3 origin;
+    vec3 inv;   /* 1 / dir: infinite, with dir's sign, where dir is 0 */
+    vec3 shear; /* error of a slab in parts of the distance along z */
+    int z;      /* the axis along which the ray is longest */
 };
 
-static inline struct box_ray box_ray_make(const struct ray *r)
+/* z: the first of the axes along which |dir| is largest. */
+static inline struct box_ray box_ray_make(vec3 origin, vec3 dir, int z)
 {
-    struct box_ray b;
-    float longest = 0;
-    b.z = 0;
-    for (int k = 0; k < 3; k++) {
-        const float d = __builtin_fabsf(r->dir[k]);
-        b.z = d > longest ? k : b.z;
-        longest = d > longest ? d : longest;
-    }
-    for (int k = 0; k < 3; k++) {
-        b.origin[k] = r->origin[k];
-        b.inv[k] = 1 / r->dir[k];
-        b.neg[k] = b.inv[k] < 0;
-        b.shear[k] = round_gamma(5) * __builtin_fabsf(r->dir[k] / longest);
-    }
-    return b;
+    const vec3 d = vec3_abs(dir);
+    return (struct box_ray){origin, 1 / dir, round_gamma(5) * (d / d[z]), z};
 }
 
-/* The distance from the origin to the farther plane. */
-static inline float box_reach(float lo, float hi)
+/* t: where the ray enters and leaves, not below 0; FLT_MAX at most. */
+static inline bool box_hit(const struct box_ray *r, vec3 lo, vec3 hi, float t[2])
 {
-    const float a = __builtin_fabsf(lo), b = __builtin_fabsf(hi);
-    return a > b ? a : b;
-}
-
-/* t: where the ray enters and leaves, within [0, t_max]. t_max must be finite, for a ray beside the
- * box and parallel to it enters at infinity. */
-static inline bool box_hit(const struct box_ray *r, const float lo[3], const float hi[3],
-                           float t_max, float t[2])
-{
-    const float along = box_reach(lo[r->z] - r->origin[r->z], hi[r->z] - r->origin[r->z]);
-    float t0 = 0, t1 = t_max;
-    for (int k = 0; k < 3; k++) {
-        float a = lo[k] - r->origin[k], b = hi[k] - r->origin[k];
-        const float error = round_gamma(5) * box_reach(a, b) + r->shear[k] * along;
-        a -= error;
-        b += error;
-        const float near = (r->neg[k] ? b : a) * r->inv[k];
-        const float far = (r->neg[k] ? a : b) * r->inv[k] * (1 + 2 * round_gamma(3));
-        t0 = near > t0 ? near : t0;
-        t1 = far < t1 ? far : t1;
-    }
-    t[0] = t0;
-    t[1] = t1;
-    return t0 <= t1;
+    const vec3 none = {0}, most = vec3_make(FLT_MAX, FLT_MAX, FLT_MAX);
+    const i32x4 back = r->inv < none;
+    const vec3 a = lo - r->origin, b = hi - r->origin;
+    const vec3 reach = vec3_max(vec3_abs(a), vec3_abs(b));
+    const vec3 error = round_gamma(5) * reach + r->shear * reach[r->z];
+    const vec3 first = a - error, last = b + error;
+    const vec3 near = vec3_max(vec3_choose(back, last, first) * r->inv, none);
+    const vec3 far = vec3_min(
+        vec3_choose(back, first, last) * r->inv * (1 + 2 * round_gamma(3)), most);
+    const float near01 = near[0] > near[1] ? near[0] : near[1];
+    const float far01 = far[0] < far[1] ? far[0] : far[1];
+    t[0] = near01 > near[2] ? near01 : near[2];
+    t[1] = far01 < far[2] ? far01 : far[2];
+    return t[0] <= t[1];
 }
 
 #endif

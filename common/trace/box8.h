@@ -29,36 +29,36 @@
 enum { BOX8_PLANES = 6 }; /* low x, y, z, then high x, y, z */
 
 struct box8_ray {
-    f32x8 inv[3];         /* 1 / d */
-    f32x8 near[3], far[3]; /* origin / d, the origin moved by its error so that a box is met early,
+    vec3 inv;       /* 1 / d */
+    vec3 near, far; /* origin / d, the origin moved by its error so that a box is met early,
                             * left late */
-    uint32_t near_plane[3], far_plane[3];
+    size_t near_plane[3], far_plane[3]; /* in floats from the first one */
 };
 
 static inline float box8_reach(vec3 v)
 {
-    const float x = __builtin_fabsf(v[0]), y = __builtin_fabsf(v[1]), z = __builtin_fabsf(v[2]);
+    const vec3 a = vec3_abs(v);
+    const float x = a[0], y = a[1], z = a[2];
     const float xy = x > y ? x : y;
     return xy > z ? xy : z;
 }
 
 /* error: of the origin and of everything that goes with it, along each axis. */
-static inline struct box8_ray box8_ray_make(vec3 origin, vec3 dir, vec3 error)
+static inline void box8_ray_init(struct box8_ray *r, vec3 origin, vec3 dir, vec3 error)
 {
-    struct box8_ray r;
-    const float least = 0x1p-40f * box8_reach(dir);
+    const float tiny = 0x1p-40f * box8_reach(dir);
+    const vec3 least = vec3_make(tiny, tiny, tiny), none = {0};
+    const i32x4 back = dir < none;
+    const vec3 inv = 1 / vec3_choose(vec3_abs(dir) < least, vec3_choose(back, -least, least), dir);
+    const vec3 at = origin * inv, off = error * vec3_abs(inv);
+    r->inv = inv;
+    r->near = at + off;
+    r->far = at - off;
     for (int k = 0; k < 3; k++) {
-        const bool back = dir[k] < 0;
-        const float d = __builtin_fabsf(dir[k]) < least ? (back ? -least : least) : dir[k];
-        const float inv = 1 / d;
-        const float at = origin[k] * inv, off = error[k] * __builtin_fabsf(inv);
-        r.inv[k] = f32x8_splat(inv);
-        r.near[k] = f32x8_splat(at + off);
-        r.far[k] = f32x8_splat(at - off);
-        r.near_plane[k] = (uint32_t)(back ? k + 3 : k);
-        r.far_plane[k] = (uint32_t)(back ? k : k + 3);
+        const size_t first = 8 * (size_t)k, change = 24 & (size_t)back[k];
+        r->near_plane[k] = first + change;
+        r->far_plane[k] = first + 24 - change;
     }
-    return r;
 }
 
 static inline vec3 box8_error(vec3 origin)
@@ -68,10 +68,9 @@ static inline vec3 box8_error(vec3 origin)
 }
 
 /* The planes of box `lane`, moved outwards. Monotone: a box inside another has planes inside. */
-static inline void box8_store(float plane[BOX8_PLANES][8], int lane, const float lo[3],
-                              const float hi[3])
+static inline void box8_store(float plane[BOX8_PLANES][8], uint32_t lane, vec3 lo, vec3 hi)
 {
-    const float a = box8_reach(vec3_load(lo)), b = box8_reach(vec3_load(hi));
+    const float a = box8_reach(lo), b = box8_reach(hi);
     const float pad = BOX8_PAD * (a > b ? a : b);
     for (int k = 0; k < 3; k++) {
         plane[k][lane] = lo[k] - pad;
@@ -79,20 +78,35 @@ static inline void box8_store(float plane[BOX8_PLANES][8], int lane, const float
     }
 }
 
-/* Bit i: the ray passes box i within [0, t_max]; near: where it enters, far: where it leaves. */
-static inline uint32_t box8_hit(const struct box8_ray *r, const float (*plane)[8], float t_max,
-                                f32x8 *near, f32x8 *far)
+/* The ray's numbers eight times over, for a loop to keep in registers. */
+struct box8_wide {
+    f32x8 inv0, inv1, inv2, near0, near1, near2, far0, far1, far2;
+};
+
+static inline struct box8_wide box8_widen(const struct box8_ray *r)
 {
-    f32x8 t0 = f32x8_splat(0), t1 = f32x8_splat(t_max);
-    for (int k = 0; k < 3; k++) {
-        const f32x8 a = f32x8_load(plane[r->near_plane[k]]);
-        const f32x8 b = f32x8_load(plane[r->far_plane[k]]);
-        t0 = f32x8_max(f32x8_fused(a, r->inv[k], r->near[k]), t0);
-        t1 = f32x8_min(f32x8_fused(b, r->inv[k], r->far[k]), t1);
-    }
-    *near = t0;
-    *far = t1;
-    return i32x8_mask(t0 <= t1);
+    return (struct box8_wide){
+        f32x8_splat(r->inv[0]),  f32x8_splat(r->inv[1]),  f32x8_splat(r->inv[2]),
+        f32x8_splat(r->near[0]), f32x8_splat(r->near[1]), f32x8_splat(r->near[2]),
+        f32x8_splat(r->far[0]),  f32x8_splat(r->far[1]),  f32x8_splat(r->far[2]),
+    };
+}
+
+/* Bit i: the ray passes box i within [0, t_max]; near: where it enters, far: where it leaves. */
+static inline uint32_t box8_hit(const struct box8_ray *r, const struct box8_wide *w,
+                                const float (*plane)[8], float t_max, f32x8 *near, f32x8 *far)
+{
+    const float *p = plane[0];
+    const f32x8 x0 = f32x8_fused(f32x8_fetch(p + r->near_plane[0]), w->inv0, w->near0);
+    const f32x8 y0 = f32x8_fused(f32x8_fetch(p + r->near_plane[1]), w->inv1, w->near1);
+    const f32x8 z0 = f32x8_fused(f32x8_fetch(p + r->near_plane[2]), w->inv2, w->near2);
+    const f32x8 x1 = f32x8_fused(f32x8_fetch(p + r->far_plane[0]), w->inv0, w->far0);
+    const f32x8 y1 = f32x8_fused(f32x8_fetch(p + r->far_plane[1]), w->inv1, w->far1);
+    const f32x8 z1 = f32x8_fused(f32x8_fetch(p + r->far_plane[2]), w->inv2, w->far2);
+    const f32x8 none = {0};
+    *near = f32x8_max(x0, f32x8_max(y0, f32x8_max(z0, none)));
+    *far = f32x8_min(x1, f32x8_min(y1, f32x8_min(z1, f32x8_splat(t_max))));
+    return i32x8_mask(*near <= *far);
 }
 
 #endif

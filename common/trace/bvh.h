@@ -21,11 +21,12 @@ enum {
     BVH_STACK = (BVH_WIDTH - 1) * BVH_MAX_DEPTH + 1, /* all children but one of each level wait */
 };
 
-/* A child: what it is in the upper 4 bits, which one in the lower 28. */
+/* A child: what it is in the upper 4 bits, which one in the lower 28. Nodes and blocks are found in one
+ * way, by their distance from the first node in cache lines: stage.blocks follow stage.nodes. */
 enum bvh_ref_kind {
-    BVH_NODE,       /* of stage.nodes */
-    BVH_INSTANCE,   /* of stage.instances */
-    BVH_BLOCK,      /* of stage.blocks; BVH_BLOCK + kind for the other primitives: of their array */
+    BVH_NODE,
+    BVH_INSTANCE, /* index into stage.instances */
+    BVH_BLOCK,    /* BVH_BLOCK + kind for the other primitives: index into their array */
     BVH_SPHERE,
     BVH_DISC,
     BVH_NOTHING = 15, /* the root of an empty tree */
@@ -53,7 +54,15 @@ struct bvh_node { /* 256 bytes: four cache lines */
     uint32_t pad[7];
 };
 
-_Static_assert(sizeof(struct bvh_node) == 256, "four cache lines");
+enum {
+    BVH_LINE = 64, /* bytes of a cache line */
+    BVH_NODE_LINES = sizeof(struct bvh_node) / BVH_LINE,
+    BVH_BLOCK_LINES = sizeof(struct stage_block) / BVH_LINE,
+    BVH_MOST_LINES = 1 << 28, /* 16 GB of nodes and blocks */
+};
+
+_Static_assert(sizeof(struct bvh_node) == 4 * BVH_LINE, "four cache lines");
+_Static_assert(sizeof(struct stage_block) == 5 * BVH_LINE, "five cache lines");
 
 bool bvh_hit_closest(const struct stage *, const struct ray *, struct ray_hit *);
 bool bvh_hit_any(const struct stage *, const struct ray *);

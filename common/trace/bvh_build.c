@@ -12,6 +12,9 @@ enum {
     REF_PART = 14,      /* a child that another part holds; index: which */
 };
 
+/* A leaf is split when its parts' surfaces are together less than so much of its own. */
+#define LEAF_SPLIT_GAIN 0.75f
+
 struct pending { /* a node to be made, and the child that will refer to it */
     struct bvh_range range;
     struct bvh_node *parent;
@@ -75,6 +78,24 @@ static uint32_t widest(const struct bvh_range *children, uint32_t count, bool by
     return best;
 }
 
+/* Where a node has room left, leaves of large surface are worth two children: walls in one leaf have a
+ * box as large as the room, each its own have none to speak of. */
+static uint32_t split_leaves(struct bvh_item *items, struct bvh_range children[BVH_WIDTH],
+                             uint32_t count)
+{
+    for (uint32_t i = 0; i < count && count < BVH_WIDTH; i++)
+        while (count < BVH_WIDTH && children[i].end - children[i].begin > 1) {
+            struct bvh_range half[2];
+            bvh_split(items, &children[i], false, half);
+            if (!(bvh_half_area(&half[0].box) + bvh_half_area(&half[1].box) <
+                  LEAF_SPLIT_GAIN * bvh_half_area(&children[i].box)))
+                break;
+            children[i] = half[0];
+            children[count++] = half[1];
+        }
+    return count;
+}
+
 static uint32_t split_in_eight(struct bvh_item *items, const struct pending *p,
                                struct bvh_range children[BVH_WIDTH])
 {
@@ -90,7 +111,7 @@ static uint32_t split_in_eight(struct bvh_item *items, const struct pending *p,
         children[i] = half[0];
         children[count++] = half[1];
     }
-    return count;
+    return by_count ? count : split_leaves(items, children, count);
 }
 
 static uint32_t part_ref(struct bvh_plan *plan, const struct bvh_range *r, uint32_t depth)
@@ -103,14 +124,6 @@ static uint32_t part_ref(struct bvh_plan *plan, const struct bvh_range *r, uint3
     }
     plan->parts[plan->part_count] = (struct bvh_part){.range = *r, .depth = depth};
     return bvh_ref_make(REF_PART, plan->part_count++);
-}
-
-static void store_box(struct bvh_node *node, uint32_t lane, const struct bvh_box *box)
-{
-    float lo[3], hi[3];
-    vec3_store(lo, box->lo);
-    vec3_store(hi, box->hi);
-    box8_store(node->plane, (int)lane, lo, hi);
 }
 
 /* Ranges of at most part_most items become parts of the plan; 0: none does. */
@@ -134,7 +147,7 @@ static void build(struct bvh_plan *plan, struct bvh_part *part, uint32_t part_mo
         for (uint32_t i = 0; i < count; i++) {
             const struct bvh_range *r = &children[i];
             const uint32_t items = r->end - r->begin;
-            store_box(node, i, &r->box);
+            box8_store(node->plane, i, r->box.lo, r->box.hi);
             if (is_leaf(r))
                 node->child[i] = leaf_ref(part, plan->items, r);
             else if (items <= part_most && items >= PART_LEAST)
@@ -182,20 +195,25 @@ struct bvh_plan bvh_plan_make(struct bvh_item *items, uint32_t count, const stru
 
 struct writing {
     const struct bvh_plan *plan;
-    struct bvh_node *nodes;
-    uint32_t node_begin, leaf_begin; /* in the stage */
+    const struct bvh_site *site;
 };
+
+static uint32_t node_ref(const struct writing *w, uint32_t node)
+{
+    return bvh_ref_make(BVH_NODE, w->site->node_line + BVH_NODE_LINES * node);
+}
 
 static uint32_t final_ref(const struct writing *w, const struct bvh_part *part, uint32_t ref)
 {
     const uint32_t index = bvh_ref_index(ref);
     switch (bvh_ref_kind(ref)) {
     case BVH_NODE:
-        return bvh_ref_make(BVH_NODE, w->node_begin + part->node_begin + index);
+        return node_ref(w, part->node_begin + index);
     case BVH_BLOCK:
-        return bvh_ref_make(BVH_BLOCK, w->leaf_begin + part->leaf_begin + index);
+        return bvh_ref_make(BVH_BLOCK, w->site->block_line +
+                                           BVH_BLOCK_LINES * (part->leaf_begin + index));
     case REF_PART:
-        return bvh_ref_make(BVH_NODE, w->node_begin + w->plan->parts[index].node_begin);
+        return node_ref(w, w->plan->parts[index].node_begin);
     default:
         return ref;
     }
@@ -206,17 +224,17 @@ static void write_part(void *arg, uint32_t i)
     const struct writing *w = arg;
     const struct bvh_part *part = &w->plan->parts[i];
     for (uint32_t n = 0; n < part->node_count; n++) {
-        struct bvh_node *node = &w->nodes[part->node_begin + n];
+        struct bvh_node *node = &w->site->nodes[part->node_begin + n];
         *node = *node_of(part, n);
         for (uint32_t k = 0; node->used >> k; k++)
             node->child[k] = final_ref(w, part, node->child[k]);
     }
 }
 
-uint32_t bvh_plan_write(const struct bvh_plan *plan, struct bvh_node *nodes, uint32_t node_begin,
-                        uint32_t leaf_begin, const struct crew *crew)
+uint32_t bvh_plan_write(const struct bvh_plan *plan, const struct bvh_site *site,
+                        const struct crew *crew)
 {
-    struct writing w = {plan, nodes, node_begin, leaf_begin};
+    struct writing w = {plan, site};
     crew_run(crew, write_part, &w, plan->part_count);
     return plan->part_count ? final_ref(&w, &plan->parts[0], plan->root) : plan->root;
 }

@@ -44,10 +44,13 @@ struct bvh_plan {
 /* items are reordered and must stay until the plan is released. */
 struct bvh_plan bvh_plan_make(struct bvh_item *items, uint32_t count, const struct crew *);
 
-/* nodes: room for plan.node_count; the first one and leaf 0 will have these numbers in the stage. Returns
- * the root's reference. */
-uint32_t bvh_plan_write(const struct bvh_plan *, struct bvh_node *nodes, uint32_t node_begin,
-                        uint32_t leaf_begin, const struct crew *);
+struct bvh_site { /* where a plan's nodes and blocks will lie in the stage */
+    struct bvh_node *nodes; /* the plan's first one; room for node_count */
+    uint32_t node_line, block_line; /* its and the first block's distance from the stage's first node */
+};
+
+/* Returns the root's reference. */
+uint32_t bvh_plan_write(const struct bvh_plan *, const struct bvh_site *, const struct crew *);
 
 void bvh_plan_release(struct bvh_plan *);
 

@@ -207,7 +207,13 @@ static void write_trees(const struct prep_plan *p, unsigned char *block, const s
     uint32_t node_begin = 0, block_begin = 0;
     for (uint32_t i = 0; i < p->tree_count; i++) {
         const struct bvh_plan *plan = &p->trees[i].plan;
-        trees[i].root = bvh_plan_write(plan, nodes + node_begin, node_begin, block_begin, crew);
+        const struct bvh_site site = {
+            .nodes = nodes + node_begin,
+            .node_line = BVH_NODE_LINES * node_begin,
+            .block_line =
+                BVH_NODE_LINES * (uint32_t)head->nodes.count + BVH_BLOCK_LINES * block_begin,
+        };
+        trees[i].root = bvh_plan_write(plan, &site, crew);
         trees[i].block_begin = block_begin;
         trees[i].block_end = block_begin + plan->leaf_count;
         struct filling f = {&p->trees[i], blocks + block_begin};

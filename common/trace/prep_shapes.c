@@ -120,11 +120,11 @@ bool prep_plan_make(struct prep_plan *p, const struct scene *scene, struct arena
 /* --- primitives --- */
 
 static void add_item(struct prep_tree *t, enum bvh_ref_kind kind, uint64_t index,
-                     const float lo[3], const float hi[3])
+                     vec3 lo, vec3 hi)
 {
     struct bvh_item *item = &t->items[t->item_count++];
-    memcpy(item->lo, lo, sizeof item->lo);
-    memcpy(item->hi, hi, sizeof item->hi);
+    vec3_store(item->lo, lo);
+    vec3_store(item->hi, hi);
     item->index = (uint32_t)index;
     item->kind = kind;
 }
@@ -182,8 +182,8 @@ static bool add_triangle(struct prep_plan *p, struct prep_tree *tree, const vec3
         p->head.dropped_degenerate++;
         return false;
     }
-    float lo[3], hi[3];
-    tri_bounds((const float(*)[3])t->v, lo, hi);
+    vec3 lo, hi;
+    tri_bounds(t, &lo, &hi);
     add_item(tree, BVH_BLOCK, tree->triangle_count++, lo, hi);
     return true;
 }
@@ -254,8 +254,8 @@ static void add_sphere(struct prep_plan *p, uint32_t shape, const struct shape *
     const double rr = (double)radius * (double)radius;
     to->prim = add_prim(p, shape, (struct stage_place){STAGE_SPHERE, index & 0x1fffffff},
                         4 * PI * rr);
-    float lo[3], hi[3];
-    sphere_bounds(to->center, radius, lo, hi);
+    vec3 lo, hi;
+    sphere_bounds(to->center, radius, &lo, &hi);
     add_item(&p->trees[0], BVH_SPHERE, index, lo, hi);
 }
 
@@ -272,8 +272,8 @@ static void add_disc(struct prep_plan *p, uint32_t shape, const struct shape *s)
     vec3_store(to->normal, n);
     to->prim = add_prim(p, shape, (struct stage_place){STAGE_DISC, index & 0x1fffffff},
                         PI * (double)radius * (double)radius);
-    float lo[3], hi[3];
-    sphere_bounds(to->center, radius, lo, hi);
+    vec3 lo, hi;
+    sphere_bounds(to->center, radius, &lo, &hi);
     add_item(&p->trees[0], BVH_DISC, index, lo, hi);
 }
 
@@ -364,7 +364,7 @@ static void add_instance(struct prep_plan *p, uint32_t shape, const struct shape
     vec3_store(to->hi, box.hi);
     p->head.instances.count++;
     p->head.prim_count += p->trees[tree].triangle_count;
-    add_item(&p->trees[0], BVH_INSTANCE, index, to->lo, to->hi);
+    add_item(&p->trees[0], BVH_INSTANCE, index, box.lo, box.hi);
 }
 
 /* --- all of it --- */

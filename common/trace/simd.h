@@ -16,10 +16,22 @@
 typedef float f32x8 __attribute__((vector_size(32)));
 typedef int32_t i32x8 __attribute__((vector_size(32)));
 typedef int32_t i32x4 __attribute__((vector_size(16)));
+typedef double f64x4 __attribute__((vector_size(32)));
 
 static inline f32x8 f32x8_load(const float *aligned32)
 {
     return *(const f32x8 *)(const void *)aligned32;
+}
+
+/* The same, into a register. gcc else reads memory in the middle of a fused operation, where it must then
+ * copy the other operand, which that overwrites. */
+static inline f32x8 f32x8_fetch(const float *aligned32)
+{
+    f32x8 v = f32x8_load(aligned32);
+#ifdef __AVX__
+    __asm__("" : "+x"(v));
+#endif
+    return v;
 }
 
 static inline f32x8 f32x8_splat(float x)
@@ -27,9 +39,36 @@ static inline f32x8 f32x8_splat(float x)
     return (f32x8){x, x, x, x, x, x, x, x};
 }
 
+static inline f64x4 f64x4_of(vec3 v)
+{
+    return __builtin_convertvector(v, f64x4);
+}
+
+static inline vec3 vec3_abs(vec3 v)
+{
+    const i32x4 keep = {0x7fffffff, 0x7fffffff, 0x7fffffff, 0x7fffffff};
+    return (vec3)((i32x4)v & keep);
+}
+
+/* Lane by lane a where m is -1, b where it is 0. */
+static inline vec3 vec3_choose(i32x4 m, vec3 a, vec3 b)
+{
+    return (vec3)(((i32x4)a & m) | ((i32x4)b & ~m));
+}
+
 #if defined __AVX2__ && defined __FMA__
 
 #include <immintrin.h>
+
+static inline void f32x8_store(float *aligned32, f32x8 v)
+{
+    _mm256_store_ps(aligned32, (__m256)v);
+}
+
+static inline void f32x8_store_bits(uint32_t *aligned32, f32x8 v)
+{
+    _mm256_store_si256((__m256i *)(void *)aligned32, (__m256i)v);
+}
 
 static inline f32x8 f32x8_min(f32x8 a, f32x8 b)
 {
@@ -63,6 +102,12 @@ static inline vec3 vec3_max(vec3 a, vec3 b)
     return (vec3)_mm_max_ps((__m128)a, (__m128)b);
 }
 
+/* Bit i: lane i of a comparison is true. */
+static inline uint32_t i32x4_mask(i32x4 m)
+{
+    return (uint32_t)_mm_movemask_ps((__m128)m);
+}
+
 /* Towards zero; lanes out of range are anything. */
 static inline i32x4 vec3_truncate(vec3 v)
 {
@@ -70,6 +115,16 @@ static inline i32x4 vec3_truncate(vec3 v)
 }
 
 #else
+
+static inline void f32x8_store(float *aligned32, f32x8 v)
+{
+    memcpy(aligned32, &v, sizeof v);
+}
+
+static inline void f32x8_store_bits(uint32_t *aligned32, f32x8 v)
+{
+    memcpy(aligned32, &v, sizeof v);
+}
 
 static inline f32x8 f32x8_min(f32x8 a, f32x8 b)
 {
@@ -110,6 +165,14 @@ static inline vec3 vec3_max(vec3 a, vec3 b)
     for (int i = 0; i < 4; i++)
         b[i] = a[i] > b[i] ? a[i] : b[i];
     return b;
+}
+
+static inline uint32_t i32x4_mask(i32x4 m)
+{
+    uint32_t bits = 0;
+    for (int i = 0; i < 4; i++)
+        bits |= m[i] < 0 ? 1u << i : 0;
+    return bits;
 }
 
 static inline i32x4 vec3_truncate(vec3 v)

@@ -26,11 +26,12 @@ static inline void sphere_relative(const struct ray *r, const float center[3], d
 }
 
 /* Of a sphere, and of a disc of any direction; rounded outwards, so that what is inside stays inside. */
-static inline void sphere_bounds(const float center[3], float radius, float lo[3], float hi[3])
+static inline void sphere_bounds(const float center[3], float radius, vec3 *lo, vec3 *hi)
 {
+    *lo = *hi = vec3_make(0, 0, 0);
     for (int k = 0; k < 3; k++) {
-        lo[k] = round_down(center[k] - radius);
-        hi[k] = round_up(center[k] + radius);
+        (*lo)[k] = round_down(center[k] - radius);
+        (*hi)[k] = round_up(center[k] + radius);
     }
 }
 

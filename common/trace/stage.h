@@ -142,17 +142,22 @@ static inline const struct stage_instance *stage_instance_at(const struct stage 
     return (const struct stage_instance *)stage_at(s, s->instances) + i;
 }
 
+static inline struct stage_triangle stage_block_lane(const struct stage_block *b, uint32_t lane)
+{
+    return (struct stage_triangle){{
+        {b->v[0][0][lane], b->v[0][1][lane], b->v[0][2][lane]},
+        {b->v[1][0][lane], b->v[1][1][lane], b->v[1][2][lane]},
+        {b->v[2][0][lane], b->v[2][1][lane], b->v[2][2][lane]},
+    }};
+}
+
 /* The world's vertices of a triangle; instance: STAGE_NONE for one that is not shared. */
 static inline struct stage_triangle stage_triangle_at(const struct stage *s, uint32_t index,
                                                       uint32_t instance)
 {
-    const struct stage_block *b =
-        (const struct stage_block *)stage_at(s, s->blocks) + index / STAGE_LANES;
-    const uint32_t lane = index % STAGE_LANES;
-    struct stage_triangle t;
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++)
-            t.v[i][k] = b->v[i][k][lane];
+    const struct stage_block *blocks = stage_at(s, s->blocks);
+    const struct stage_triangle t =
+        stage_block_lane(&blocks[index / STAGE_LANES], index % STAGE_LANES);
     if (instance == STAGE_NONE)
         return t;
     const struct stage_instance *of = stage_instance_at(s, instance);

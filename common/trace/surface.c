@@ -42,7 +42,7 @@ struct surface surface_on_triangle(const struct stage *s, struct stage_id id, fl
     const vec3 c = vec3_load(t.v[2]) * v;
     /* PBRT 4, section 6.8.5: seven roundings at most on the way from vertices to sum. */
     const vec3 error = round_gamma(7) * (absolute(a) + absolute(b) + absolute(c));
-    return make(s, id, a + b + c, error, triangle_normal(t.v));
+    return make(s, id, a + b + c, error, triangle_normal((const float(*)[3])t.v));
 }
 
 /* Centre and radius are exact by definition; the sum in double is rounded once to float. The second

@@ -14,32 +14,38 @@
 #define COMMON_TRACE_TRI_H
 
 #include "common/trace/ray.h"
-#include "common/trace/round.h"
+#include "common/trace/simd.h"
 
 struct tri_ray {
-    vec3 origin;
-    int kx, ky, kz;   /* z: the axis along which the ray is longest; x, y keep the winding */
-    float sx, sy; /* the shear */
-    vec3 dir;
+    vec3 origin, dir;
+    int kx, ky, kz; /* z: the axis along which the ray is longest; x, y keep the winding */
+    float sx, sy;   /* the shear */
+    float ox, oy, oz; /* the origin along kx, ky, kz */
+    double o[3], d[3]; /* origin and dir once more */
 };
 
-struct tri_found {
-    float t;
-    float u, v; /* weights of vertices 1 and 2 */
-};
-
-static inline struct tri_ray tri_ray_make(const struct ray *ray)
+static inline struct tri_ray tri_ray_make(vec3 origin, vec3 dir)
 {
-    const vec3 d = ray->dir;
-    const float ax = __builtin_fabsf(d[0]), ay = __builtin_fabsf(d[1]), az = __builtin_fabsf(d[2]);
-    const int kz = ax > ay ? (ax > az ? 0 : 2) : (ay > az ? 1 : 2);
-    int kx = kz == 2 ? 0 : kz + 1, ky = kx == 2 ? 0 : kx + 1;
-    if (d[kz] < 0) {
-        const int k = kx;
-        kx = ky;
-        ky = k;
-    }
-    return (struct tri_ray){ray->origin, kx, ky, kz, d[kx] / d[kz], d[ky] / d[kz], d};
+    /* Without a branch, which would be mispredicted more often than not. */
+    static const unsigned char next[5] = {0, 1, 2, 0, 1};
+    const vec3 a = vec3_abs(dir);
+    const int y = a[1] >= a[0];
+    const float xy = a[0] > a[1] ? a[0] : a[1];
+    const int z = a[2] >= xy, kz = 2 * z | (y & ~z);
+    const int back = dir[kz] < 0;
+    const int kx = next[kz + 1 + back], ky = next[kz + 2 - back];
+    return (struct tri_ray){.origin = origin,
+                            .dir = dir,
+                            .kx = kx,
+                            .ky = ky,
+                            .kz = kz,
+                            .sx = dir[kx] / dir[kz],
+                            .sy = dir[ky] / dir[kz],
+                            .ox = origin[kx],
+                            .oy = origin[ky],
+                            .oz = origin[kz],
+                            .o = {(double)origin[0], (double)origin[1], (double)origin[2]},
+                            .d = {(double)dir[0], (double)dir[1], (double)dir[2]}};
 }
 
 /* Twice the signed area of (0, a, b): antisymmetric in a and b to the last bit. */
@@ -56,68 +62,65 @@ static inline float tri_edge_exact(float ax, float ay, float bx, float by)
 
 /* t of the triangle's plane. Differences of floats are exact in double and so are their products, all but
  * always: t is right to a rounding of float, and its sign is, unless the origin is nearer to
- * the plane than 1e-15 of the triangle's distance. */
-static inline float tri_plane_t(vec3 origin, vec3 dir, const float v[3][3])
+ * the plane than 1e-15 of the triangle's distance. A NaN for a ray in the plane. */
+static inline float tri_plane_t(const struct tri_ray *r, const struct stage_triangle *t)
 {
-    double a[3], e[3], f[3], height = 0, speed = 0;
-    for (int k = 0; k < 3; k++) {
-        a[k] = (double)v[0][k] - (double)origin[k];
-        e[k] = (double)v[1][k] - (double)v[0][k];
-        f[k] = (double)v[2][k] - (double)v[0][k];
-    }
-    for (int k = 0; k < 3; k++) {
-        const int i = k == 2 ? 0 : k + 1, j = k == 0 ? 2 : k - 1;
-        const double n = e[i] * f[j] - e[j] * f[i];
-        height += n * a[k];
-        speed += n * (double)dir[k];
-    }
+    const double px = (double)t->v[0][0], py = (double)t->v[0][1], pz = (double)t->v[0][2];
+    const double ex = (double)t->v[1][0] - px, ey = (double)t->v[1][1] - py,
+                 ez = (double)t->v[1][2] - pz;
+    const double fx = (double)t->v[2][0] - px, fy = (double)t->v[2][1] - py,
+                 fz = (double)t->v[2][2] - pz;
+    const double nx = ey * fz - ez * fy, ny = ez * fx - ex * fz, nz = ex * fy - ey * fx;
+    const double height = nx * (px - r->o[0]) + ny * (py - r->o[1]) + nz * (pz - r->o[2]);
+    const double speed = nx * r->d[0] + ny * r->d[1] + nz * r->d[2];
     return (float)(height / speed);
 }
 
-static inline void tri_bounds(const float v[3][3], float lo[3], float hi[3])
+static inline void tri_bounds(const struct stage_triangle *t, vec3 *lo, vec3 *hi)
 {
-    for (int k = 0; k < 3; k++) {
-        lo[k] = hi[k] = v[0][k];
-        for (int i = 1; i < 3; i++) {
-            lo[k] = v[i][k] < lo[k] ? v[i][k] : lo[k];
-            hi[k] = v[i][k] > hi[k] ? v[i][k] : hi[k];
-        }
-    }
+    const vec3 a = vec3_load(t->v[0]), b = vec3_load(t->v[1]), c = vec3_load(t->v[2]);
+    *lo = vec3_min(vec3_min(a, b), c);
+    *hi = vec3_max(vec3_max(a, b), c);
 }
+
+/* Three edge functions: ei is of the edge that vertex i is not on. */
+struct tri_edges {
+    float e0, e1, e2;
+};
 
 /* None lies on the other side than the others. A NaN does. */
-static inline bool tri_inside(float e0, float e1, float e2)
+static inline bool tri_inside(struct tri_edges e)
 {
-    return (e0 >= 0 && e1 >= 0 && e2 >= 0) || (e0 <= 0 && e1 <= 0 && e2 <= 0);
+    return (e.e0 >= 0 && e.e1 >= 0 && e.e2 >= 0) || (e.e0 <= 0 && e.e1 <= 0 && e.e2 <= 0);
 }
 
-/* Both faces, at any t > 0. Comparisons are written so that a NaN is a miss. */
-static inline bool tri_hit(const struct tri_ray *r, const float v[3][3], struct tri_found *out)
+static inline struct tri_edges tri_edges_make(const struct tri_ray *r, const struct stage_triangle *t)
 {
-    const vec3 a = vec3_load(v[0]) - r->origin;
-    const vec3 b = vec3_load(v[1]) - r->origin;
-    const vec3 c = vec3_load(v[2]) - r->origin;
+    const vec3 a = vec3_load(t->v[0]) - r->origin, b = vec3_load(t->v[1]) - r->origin,
+               c = vec3_load(t->v[2]) - r->origin;
     const float ax = a[r->kx] - r->sx * a[r->kz], ay = a[r->ky] - r->sy * a[r->kz];
     const float bx = b[r->kx] - r->sx * b[r->kz], by = b[r->ky] - r->sy * b[r->kz];
     const float cx = c[r->kx] - r->sx * c[r->kz], cy = c[r->ky] - r->sy * c[r->kz];
-    float e0 = tri_edge(cx, cy, bx, by);
-    float e1 = tri_edge(ax, ay, cx, cy);
-    float e2 = tri_edge(bx, by, ax, ay);
-    if (e0 == 0 || e1 == 0 || e2 == 0) {
-        e0 = tri_edge_exact(cx, cy, bx, by);
-        e1 = tri_edge_exact(ax, ay, cx, cy);
-        e2 = tri_edge_exact(bx, by, ax, ay);
-    }
-    if (!tri_inside(e0, e1, e2))
-        return false;
-    const float det = e0 + e1 + e2;
-    if (det == 0) /* seen edge-on */
-        return false;
-    const float t = tri_plane_t(r->origin, r->dir, v);
-    if (!(t > 0))
-        return false;
-    *out = (struct tri_found){t, e1 / det, e2 / det};
-    return true;
+    const struct tri_edges e = {tri_edge(cx, cy, bx, by), tri_edge(ax, ay, cx, cy),
+                                tri_edge(bx, by, ax, ay)};
+    if (e.e0 != 0 && e.e1 != 0 && e.e2 != 0)
+        return e;
+    return (struct tri_edges){tri_edge_exact(cx, cy, bx, by), tri_edge_exact(ax, ay, cx, cy),
+                              tri_edge_exact(bx, by, ax, ay)};
+}
+
+/* Both faces. Seen edge-on, it is not hit. */
+static inline bool tri_meets(struct tri_edges e)
+{
+    return tri_inside(e) && e.e0 + e.e1 + e.e2 != 0;
+}
+
+/* Weights of vertices 1 and 2. */
+static inline void tri_weights(struct tri_edges e, float *u, float *v)
+{
+    const float det = e.e0 + e.e1 + e.e2;
+    *u = e.e1 / det;
+    *v = e.e2 / det;
 }
 
 #endif
