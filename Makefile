@@ -62,6 +62,7 @@ $(O)/libserver.a: $(call obj,$(SERVER))
 $(O)/libworker.a: $(call obj,$(WORKER))
 $(O)/libclient.a: $(call obj,$(CLIENT))
 $(O)/libtest.a:   $(call obj,$(filter-out tests/test_%.c tests/tool_%.c tests/fuzz_%.c,$(wildcard tests/*.c)))
+$(O)/libbench.a:  $(call obj,$(filter-out bench/bench_%,$(wildcard bench/*.c)))
 $(O)/%.a:
 	@rm -f $@
 	$(AR) rcs $@ $^
@@ -77,7 +78,7 @@ $(B)/smalti: $(O)/client/main.o $(O)/libclient.a $(O)/libtrace.a $(O)/libcommon.
 	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_HTTP) $(LIBS_IMAGE) $(LIBS_COMMON)
 
 # Tests, tools and benchmarks may use every part of every program but its main.c.
-PARTS = $(O)/libtest.a $(O)/libserver.a $(O)/libworker.a $(O)/libclient.a $(O)/libtrace.a $(O)/libcommon.a
+PARTS = $(O)/libbench.a $(O)/libtest.a $(O)/libserver.a $(O)/libworker.a $(O)/libclient.a $(O)/libtrace.a $(O)/libcommon.a
 LIBS_ALL = $(LIBS_SERVER) $(LIBS_HTTP) $(LIBS_IMAGE) $(LIBS_COMMON)
 $(B)/test_%: $(O)/tests/test_%.o $(PARTS)
 	@mkdir -p $(@D)
