@@ -3,6 +3,7 @@
 # make check      install what the tests need, build, run every test     (README: "Tests")
 # make check-long the same under ASan/UBSan and TSan, with gcc and clang
 # make bench      measurements, each beside a peer or oracle, in one run
+# make bench-rays the ray kernel beside Embree's (ARGS=--quick: half a minute)
 # MODE=release|debug|asan|tsan|coverage|fuzz    CC=gcc|clang    WERROR=1    J=jobs at once
 
 MODE   ?= release
@@ -38,6 +39,9 @@ LIBS_COMMON := -ljansson -lz -lcrypto -lm
 LIBS_HTTP   := -lcurl
 LIBS_IMAGE  := -lOpenEXRCore -lpng
 LIBS_SERVER := -lmicrohttpd -lsqlite3
+# Only bench_rays has Embree, and only where its header is; else it says so.
+EMBREE      := $(wildcard /usr/include/embree3/rtcore.h)
+BENCH_PARTS := $(filter-out bench/bench_% bench/embree%,$(wildcard bench/*.c)) bench/embree$(if $(EMBREE),,_none).c
 
 obj    = $(patsubst %.c,$(O)/%.o,$(1))
 COMMON := $(wildcard common/*.c)
@@ -50,7 +54,7 @@ BENCH  := $(patsubst bench/%.c,$(B)/%,$(wildcard bench/bench_*.c))
 TOOLS  := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/tool_*.c))
 FUZZ   := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/fuzz_*.c))
 
-.PHONY: all tests demo pictures check check-unit check-rules check-e2e check-long bench fuzz fuzz-run install clean
+.PHONY: all tests demo pictures check check-unit check-rules check-e2e check-long bench bench-rays fuzz fuzz-run install clean
 .SECONDARY:
 .DELETE_ON_ERROR:
 
@@ -62,6 +66,7 @@ $(O)/libserver.a: $(call obj,$(SERVER))
 $(O)/libworker.a: $(call obj,$(WORKER))
 $(O)/libclient.a: $(call obj,$(CLIENT))
 $(O)/libtest.a:   $(call obj,$(filter-out tests/test_%.c tests/tool_%.c tests/fuzz_%.c,$(wildcard tests/*.c)))
+$(O)/libbench.a:  $(call obj,$(BENCH_PARTS))
 $(O)/%.a:
 	@rm -f $@
 	$(AR) rcs $@ $^
@@ -77,7 +82,7 @@ $(B)/smalti: $(O)/client/main.o $(O)/libclient.a $(O)/libtrace.a $(O)/libcommon.
 	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_HTTP) $(LIBS_IMAGE) $(LIBS_COMMON)
 
 # Tests, tools and benchmarks may use every part of every program but its main.c.
-PARTS = $(O)/libtest.a $(O)/libserver.a $(O)/libworker.a $(O)/libclient.a $(O)/libtrace.a $(O)/libcommon.a
+PARTS = $(O)/libbench.a $(O)/libtest.a $(O)/libserver.a $(O)/libworker.a $(O)/libclient.a $(O)/libtrace.a $(O)/libcommon.a
 LIBS_ALL = $(LIBS_SERVER) $(LIBS_HTTP) $(LIBS_IMAGE) $(LIBS_COMMON)
 $(B)/test_%: $(O)/tests/test_%.o $(PARTS)
 	@mkdir -p $(@D)
@@ -88,6 +93,7 @@ $(B)/tool_%: $(O)/tests/tool_%.o $(PARTS)
 $(B)/bench_%: $(O)/bench/bench_%.o $(PARTS)
 	@mkdir -p $(@D)
 	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_ALL)
+$(B)/bench_rays: LIBS_ALL += $(if $(EMBREE),-lembree3)
 $(B)/fuzz_%: $(O)/tests/fuzz_%.o $(PARTS)
 	@mkdir -p $(@D)
 	$(CC) $(ALL_LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(LIBS_ALL)
@@ -136,6 +142,12 @@ check-long:
 bench: all $(BENCH) $(TOOLS)
 	@for b in $(BENCH); do echo "== $$b"; $$b || exit 1; done
 	@for b in $(wildcard bench/bench_*.py); do echo "== $$b"; BIN=$(B) python3 $$b || exit 1; done
+
+bench-rays:
+	deploy/install-deps build
+	-deploy/install-deps bench # without Embree it says so
+	$(MAKE) -j$(J) $(B)/bench_rays
+	$(B)/bench_rays $(ARGS)
 
 fuzz:
 	$(MAKE) MODE=fuzz CC=clang fuzz-run

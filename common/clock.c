@@ -25,6 +25,11 @@ int64_t clock_thread_cpu_us(void)
     return read_ns(CLOCK_THREAD_CPUTIME_ID) / 1000;
 }
 
+int64_t clock_process_cpu_us(void)
+{
+    return read_ns(CLOCK_PROCESS_CPUTIME_ID) / 1000;
+}
+
 void clock_sleep_ms(int64_t ms)
 {
     const struct timespec t = {.tv_sec = ms / 1000, .tv_nsec = ms % 1000 * 1000000};

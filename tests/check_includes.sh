@@ -64,6 +64,7 @@ check_libraries() {
     library libpng 'png\.h' '(server/image_png|client/png_[a-z]+)\.c'
     library jansson 'jansson' \
         '(common/(scene_json|http_problem)|server/(api|body|feed|grant|problem|status)[a-z_]*|worker/link|client/[a-z_]+)\.c'
+    forbid 'Embree is included only by bench/embree.c' '.*' '# *include *<embree' '^bench/embree\.c:'
     forbid 'no header may include an outside library' '[^:]*\.h' \
         '# *include *<(microhttpd|curl/|sqlite3|zlib|openssl/|openexr|OpenEXR/|png\.h|jansson)'
 }
@@ -125,7 +126,7 @@ check() {
 
 self_test() {
     local dir=$tmp/tree failed=0 file line
-    mkdir -p "$dir"/{common/trace,server,worker,client}
+    mkdir -p "$dir"/{common/trace,server,worker,client,bench}
     clean() {
         find "$dir" -type f -delete
         printf '%s\n' '/* a.h: sin(x), time() and TO''DO-free words in comments break nothing' \
@@ -150,6 +151,7 @@ common/trace/a.c|#include "common/wire.h"
 server/a.c|#include <microhttpd.h>
 server/main.c|#include <jansson.h>
 common/b.c|#include <curl/curl.h>
+bench/a.c|#include <embree3/rtcore.h>
 common/b.h|#include <zlib.h>
 common/trace/a.c|float a(float x) { return sinf(x); }
 common/trace/a.c|float a(float x) { return fminf(x, 1.0f); }
