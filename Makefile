@@ -45,6 +45,7 @@ TRACE  := $(wildcard common/trace/*.c)
 SERVER := $(filter-out server/main.c,$(wildcard server/*.c))
 WORKER := $(filter-out worker/main.c,$(wildcard worker/*.c))
 CLIENT := $(filter-out client/main.c,$(wildcard client/*.c))
+ACCEL  := $(filter-out bench/accel/main.c,$(wildcard bench/accel/*.c))
 TESTS  := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/test_*.c))
 BENCH  := $(patsubst bench/%.c,$(B)/%,$(wildcard bench/bench_*.c))
 TOOLS  := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/tool_*.c))
@@ -61,6 +62,7 @@ $(O)/libtrace.a:  $(call obj,$(TRACE))
 $(O)/libserver.a: $(call obj,$(SERVER))
 $(O)/libworker.a: $(call obj,$(WORKER))
 $(O)/libclient.a: $(call obj,$(CLIENT))
+$(O)/libaccel.a:  $(call obj,$(ACCEL))
 $(O)/libtest.a:   $(call obj,$(filter-out tests/test_%.c tests/tool_%.c tests/fuzz_%.c,$(wildcard tests/*.c)))
 $(O)/%.a:
 	@rm -f $@
@@ -77,7 +79,7 @@ $(B)/smalti: $(O)/client/main.o $(O)/libclient.a $(O)/libtrace.a $(O)/libcommon.
 	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_HTTP) $(LIBS_IMAGE) $(LIBS_COMMON)
 
 # Tests, tools and benchmarks may use every part of every program but its main.c.
-PARTS = $(O)/libtest.a $(O)/libserver.a $(O)/libworker.a $(O)/libclient.a $(O)/libtrace.a $(O)/libcommon.a
+PARTS = $(O)/libaccel.a $(O)/libtest.a $(O)/libserver.a $(O)/libworker.a $(O)/libclient.a $(O)/libtrace.a $(O)/libcommon.a
 LIBS_ALL = $(LIBS_SERVER) $(LIBS_HTTP) $(LIBS_IMAGE) $(LIBS_COMMON)
 $(B)/test_%: $(O)/tests/test_%.o $(PARTS)
 	@mkdir -p $(@D)
@@ -88,11 +90,14 @@ $(B)/tool_%: $(O)/tests/tool_%.o $(PARTS)
 $(B)/bench_%: $(O)/bench/bench_%.o $(PARTS)
 	@mkdir -p $(@D)
 	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_ALL)
+$(B)/bench-accel: $(O)/bench/accel/main.o $(PARTS)
+	@mkdir -p $(@D)
+	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_ALL)
 $(B)/fuzz_%: $(O)/tests/fuzz_%.o $(PARTS)
 	@mkdir -p $(@D)
 	$(CC) $(ALL_LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(LIBS_ALL)
 
-$(O)/common/trace/%.o: ALL_CFLAGS += -march=x86-64-v3
+$(O)/common/trace/%.o $(O)/bench/accel/%.o: ALL_CFLAGS += -march=x86-64-v3
 $(O)/server/static.o: $(wildcard web/*) docs/scene.schema.json
 $(O)/%.o: %.c Makefile
 	@mkdir -p $(@D)
