@@ -5,6 +5,8 @@
 #include "common/clock.h"
 #include "common/trace/tri.h"
 
+enum { LOOK = 64 /* triangles */ };
+
 struct accel_box build_empty(void)
 {
     const float inf = __builtin_inff();
@@ -36,6 +38,14 @@ struct accel_box build_bounds(struct accel_mesh mesh)
     return mesh.count ? bounds : (struct accel_box){{0}, {0}};
 }
 
+struct accel_box *build_boxes(struct accel_mesh mesh)
+{
+    struct accel_box *boxes = arena_malloc(mesh.count, sizeof *boxes);
+    for (uint32_t i = 0; i < mesh.count; i++)
+        boxes[i] = build_box(mesh.v[i]);
+    return boxes;
+}
+
 float build_half_area(const struct accel_box *b)
 {
     const float x = b->hi[0] - b->lo[0], y = b->hi[1] - b->lo[1], z = b->hi[2] - b->lo[2];
@@ -56,12 +66,22 @@ void build_push(struct accel_list *list, uint32_t number)
     list->at[list->count++] = number;
 }
 
-bool build_within(const struct accel_limits *limits, uint64_t bytes, struct err *err)
+uint32_t build_push_all(struct accel_list *list, const struct accel_list *from, size_t begin,
+                        size_t end)
+{
+    const uint32_t first = (uint32_t)list->count;
+    for (size_t i = begin; i < end; i++)
+        build_push(list, from->at[i]);
+    return first;
+}
+
+bool build_within(const struct accel_limits *limits, uint64_t bytes, size_t triangles,
+                  struct err *err)
 {
     if (bytes > limits->bytes)
         return err_set(err, ERR_LIMIT, "more than %llu MiB",
                        (unsigned long long)(limits->bytes >> 20));
-    if (clock_thread_cpu_us() > limits->until_us)
+    if (triangles >= LOOK && clock_thread_cpu_us() > limits->until_us)
         return err_set(err, ERR_LIMIT, "out of time");
     return true;
 }

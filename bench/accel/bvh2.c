@@ -109,7 +109,7 @@ static uint32_t choose(struct builder *b, const struct part *p)
 
 static bool build_part(struct builder *b, const struct part *p, struct err *err)
 {
-    if (!build_within(b->limits, bvh2_bytes(b->tree), err))
+    if (!build_within(b->limits, bvh2_bytes(b->tree), p->end - p->begin, err))
         return false;
     const uint32_t middle = choose(b, p);
     struct bvh2_node *node = &b->tree->nodes[p->node];
@@ -131,13 +131,11 @@ bool bvh2_build(struct bvh2 *t, struct accel_mesh mesh, const struct accel_limit
     *t = (struct bvh2){.mesh = mesh, .bounds = build_bounds(mesh)};
     if (!mesh.count)
         return true;
-    struct builder b = {t, arena_malloc(mesh.count, sizeof *b.boxes), limits};
+    struct builder b = {t, build_boxes(mesh), limits};
     t->nodes = arena_malloc(2 * (size_t)mesh.count, sizeof *t->nodes);
     t->refs = arena_malloc(mesh.count, sizeof *t->refs);
-    for (uint32_t i = 0; i < mesh.count; i++) {
-        b.boxes[i] = build_box(mesh.v[i]);
+    for (uint32_t i = 0; i < mesh.count; i++)
         t->refs[i] = i;
-    }
     t->node_count = 1;
     const bool done = build_part(&b, &(struct part){0, mesh.count, 0, 0}, err);
     free(b.boxes);

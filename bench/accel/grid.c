@@ -117,7 +117,7 @@ bool grid_build(struct grid *g, struct accel_mesh mesh, const struct accel_limit
     }
     if (refs > UINT32_MAX)
         return err_set(err, ERR_LIMIT, "more than 2^32 triangles in cells");
-    if (!build_within(limits, (cells + 1 + refs) * sizeof(uint32_t), err))
+    if (!build_within(limits, (cells + 1 + refs) * sizeof(uint32_t), mesh.count, err))
         return false;
     g->starts = arena_malloc(cells + 1, sizeof *g->starts);
     g->refs = arena_malloc(refs, sizeof *g->refs);

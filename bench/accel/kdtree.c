@@ -19,6 +19,7 @@ enum { LEAF = 3 /* in place of an axis */, BINS = 32, FEW = 24, MAX_DEPTH = 64 }
 struct builder {
     struct kdtree *tree;
     const struct accel_limits *limits;
+    struct accel_box *boxes;
     struct accel_list waiting; /* triangles of the nodes from the root to the one at hand */
     uint32_t depth_max;
 };
@@ -72,7 +73,7 @@ static void try_bins(const struct builder *b, const struct part *p, int axis, st
     const float lo = p->box.lo[axis], width = (p->box.hi[axis] - lo) / BINS;
     size_t starts[BINS] = {0}, ends[BINS] = {0}, below = 0, above = p->end - p->begin;
     for (size_t i = p->begin; i < p->end; i++) {
-        const struct accel_box box = build_box(b->tree->mesh.v[b->waiting.at[i]]);
+        const struct accel_box box = b->boxes[b->waiting.at[i]];
         const float from = (box.lo[axis] - lo) / width, to = (box.hi[axis] - lo) / width;
         starts[from > 0 ? (from < BINS - 1 ? (int)from : BINS - 1) : 0]++;
         ends[to > 0 ? (to < BINS - 1 ? (int)to : BINS - 1) : 0]++;
@@ -106,7 +107,7 @@ static struct split choose(const struct builder *b, const struct part *p)
     if (p->depth == b->depth_max || !(build_half_area(&p->box) > 0))
         return best;
     for (size_t i = 0; count <= FEW && i < count; i++)
-        boxes[i] = build_box(b->tree->mesh.v[b->waiting.at[p->begin + i]]);
+        boxes[i] = b->boxes[b->waiting.at[p->begin + i]];
     for (int axis = 0; axis < 3; axis++)
         if (count <= FEW)
             try_sides(boxes, count, p, axis, &best);
@@ -115,23 +116,16 @@ static struct split choose(const struct builder *b, const struct part *p)
     return best;
 }
 
-static void make_leaf(struct builder *b, const struct part *p)
-{
-    struct kdtree_node *node = &b->tree->nodes[p->node];
-    node->axis = LEAF;
-    node->first = (uint32_t)b->tree->refs.count & 0x3fffffff;
-    node->count = (uint32_t)(p->end - p->begin);
-    for (size_t i = p->begin; i < p->end; i++)
-        build_push(&b->tree->refs, b->waiting.at[i]);
-}
-
 static bool build_part(struct builder *b, const struct part *p, struct err *err)
 {
-    if (!build_within(b->limits, kdtree_bytes(b->tree) + b->waiting.count * sizeof(uint32_t), err))
+    if (!build_within(b->limits, kdtree_bytes(b->tree) + b->waiting.count * sizeof(uint32_t),
+                      p->end - p->begin, err))
         return false;
     const struct split s = choose(b, p);
     if (s.axis == LEAF) {
-        make_leaf(b, p);
+        const uint32_t first = build_push_all(&b->tree->refs, &b->waiting, p->begin, p->end);
+        b->tree->nodes[p->node] = (struct kdtree_node){.axis = LEAF, .first = first & 0x3fffffff};
+        b->tree->nodes[p->node].count = (uint32_t)(p->end - p->begin);
         return true;
     }
     const uint32_t children = add_nodes(b->tree, 2);
@@ -143,11 +137,10 @@ static bool build_part(struct builder *b, const struct part *p, struct err *err)
         struct part child = {p->end, p->end, p->box, children + above, p->depth + 1};
         *(above ? &child.box.lo[s.axis] : &child.box.hi[s.axis]) = s.at;
         for (size_t i = p->begin; i < p->end; i++) {
-            const uint32_t prim = b->waiting.at[i];
-            const struct accel_box box = build_box(b->tree->mesh.v[prim]);
+            const struct accel_box box = b->boxes[b->waiting.at[i]];
             if (above ? is_above(box.hi[s.axis], s.at)
                       : is_below(box.lo[s.axis], box.hi[s.axis], s.at))
-                build_push(&b->waiting, prim);
+                build_push(&b->waiting, b->waiting.at[i]);
         }
         child.end = b->waiting.count;
         if (!build_part(b, &child, err))
@@ -161,7 +154,7 @@ bool kdtree_build(struct kdtree *t, struct accel_mesh mesh, const struct accel_l
                   struct err *err)
 {
     *t = (struct kdtree){.mesh = mesh, .bounds = build_bounds(mesh)};
-    struct builder b = {.tree = t, .limits = limits, .depth_max = 8};
+    struct builder b = {t, limits, build_boxes(mesh), {0}, 8};
     for (uint64_t n = 1; n < mesh.count && b.depth_max < MAX_DEPTH;
          n *= 2) /* 8 + 1.3 log2 N: Havran */
         b.depth_max = 8 + (uint32_t)(1.3 * (63 - __builtin_clzll(2 * n)));
@@ -170,6 +163,7 @@ bool kdtree_build(struct kdtree *t, struct accel_mesh mesh, const struct accel_l
     const bool done =
         build_part(&b, &(struct part){0, mesh.count, t->bounds, add_nodes(t, 1), 0}, err);
     free(b.waiting.at);
+    free(b.boxes);
     if (!done)
         kdtree_release(t);
     return done;
@@ -177,36 +171,20 @@ bool kdtree_build(struct kdtree *t, struct accel_mesh mesh, const struct accel_l
 
 bool kdtree_hit(const struct kdtree *t, const struct ray *ray, struct ray_hit *hit)
 {
-    struct {
-        uint32_t node;
-        float begin, end;
-    } stack[MAX_DEPTH];
+    struct query_visit stack[MAX_DEPTH + 1], *top = stack;
     struct query q;
-    float in[2];
-    if (!query_make(&q, t->mesh, &t->bounds, ray) || !query_box(&q, t->bounds.lo, t->bounds.hi, in))
+    if (!query_enter(&q, t->mesh, &t->bounds, ray, top++))
         return false;
-    int depth = 0;
-    stack[depth++].node = 0;
-    stack[0].begin = in[0];
-    stack[0].end = in[1];
-    while (depth) {
-        float begin = stack[--depth].begin, end = stack[depth].end;
-        if (begin > q.best.t) /* an equal hit in there may have a smaller number */
+    while (top > stack) {
+        struct query_visit v = *--top;
+        if (v.begin > q.best.t) /* an equal hit in there may have a smaller number */
             continue;
-        const struct kdtree_node *node = &t->nodes[stack[depth].node];
-        while (node->axis != LEAF) {
+        const struct kdtree_node *node = &t->nodes[v.node];
+        for (; node->axis != LEAF; node = &t->nodes[v.node]) {
             const int k = (int)node->axis;
             const float early = query_earliest(&q, k, node->split);
             const float late = query_latest(&q, k, node->split);
-            const uint32_t near = node->first + q.box.neg[k], far = node->first + !q.box.neg[k];
-            const bool enters_near = !(late < begin), enters_far = !(early > end);
-            if (enters_near && enters_far) {
-                stack[depth].node = far;
-                stack[depth].begin = early > begin ? early : begin;
-                stack[depth++].end = end;
-                end = late < end ? late : end;
-            }
-            node = &t->nodes[enters_near ? near : far];
+            top = query_cut(&v, top, node->first, q.box.neg[k], early, late);
         }
         query_triangles(&q, t->refs.at + node->first, node->count);
     }

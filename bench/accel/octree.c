@@ -14,6 +14,7 @@ enum { LEAF_MAX = 8, MAX_DEPTH = 20, GROWTH_MAX = 3 };
 struct builder {
     struct octree *tree;
     const struct accel_limits *limits;
+    struct accel_box *boxes;
     struct accel_list waiting; /* triangles of the nodes from the root to the one at hand */
 };
 
@@ -34,7 +35,7 @@ static uint32_t add_nodes(struct octree *t, uint32_t count)
 static uint32_t children_of(const struct builder *b, uint32_t prim, const float center[3])
 {
     static const unsigned char upper[3] = {0xaa, 0xcc, 0xf0}; /* children with bit k set */
-    const struct accel_box box = build_box(b->tree->mesh.v[prim]);
+    const struct accel_box box = b->boxes[prim];
     uint32_t children = 0xff;
     for (int k = 0; k < 3; k++) {
         if (!(box.hi[k] > center[k]))
@@ -58,22 +59,16 @@ static bool pays(const struct builder *b, const struct part *p, const float cent
     return sum < GROWTH_MAX * count;
 }
 
-static void make_leaf(struct builder *b, const struct part *p)
-{
-    b->tree->nodes[p->node] =
-        (struct octree_node){(uint32_t)b->tree->refs.count, (uint32_t)(p->end - p->begin)};
-    for (size_t i = p->begin; i < p->end; i++)
-        build_push(&b->tree->refs, b->waiting.at[i]);
-}
-
 static bool build_part(struct builder *b, const struct part *p, struct err *err)
 {
-    if (!build_within(b->limits, octree_bytes(b->tree) + b->waiting.count * sizeof(uint32_t), err))
+    if (!build_within(b->limits, octree_bytes(b->tree) + b->waiting.count * sizeof(uint32_t),
+                      p->end - p->begin, err))
         return false;
     const float half = p->side / 2;
     const float center[3] = {p->lo[0] + half, p->lo[1] + half, p->lo[2] + half};
     if (!pays(b, p, center)) {
-        make_leaf(b, p);
+        const uint32_t first = build_push_all(&b->tree->refs, &b->waiting, p->begin, p->end);
+        b->tree->nodes[p->node] = (struct octree_node){first, (uint32_t)(p->end - p->begin)};
         return true;
     }
     const uint32_t children = add_nodes(b->tree, 8);
@@ -102,12 +97,13 @@ bool octree_build(struct octree *t, struct accel_mesh mesh, const struct accel_l
         t->lo[k] = t->bounds.lo[k];
         t->side = length > t->side ? length : t->side;
     }
-    struct builder b = {.tree = t, .limits = limits};
+    struct builder b = {t, limits, build_boxes(mesh), {0}};
     for (uint32_t i = 0; i < mesh.count; i++)
         build_push(&b.waiting, i);
     struct part root = {0, mesh.count, {t->lo[0], t->lo[1], t->lo[2]}, t->side, add_nodes(t, 1), 0};
     const bool done = build_part(&b, &root, err);
     free(b.waiting.at);
+    free(b.boxes);
     if (!done)
         octree_release(t);
     return done;

@@ -129,4 +129,38 @@ static inline bool query_box(const struct query *q, const float lo[3], const flo
     return t0 <= t1;
 }
 
+/* --- a node that waits while the ray is in its neighbour --- */
+
+struct query_visit {
+    uint32_t node;
+    float begin, end; /* where the ray is in it */
+};
+
+/* Starts at the root. False when the ray misses everything. */
+static inline bool query_enter(struct query *q, struct accel_mesh mesh,
+                               const struct accel_box *bounds, const struct ray *ray,
+                               struct query_visit *root)
+{
+    float t[2];
+    if (!query_make(q, mesh, bounds, ray) || !query_box(q, bounds->lo, bounds->hi, t))
+        return false;
+    *root = (struct query_visit){0, t[0], t[1]};
+    return true;
+}
+
+/* A plane cuts v into two children, first and first + 1, and is met between early and late. v
+ * becomes the one the ray comes to first (first + 1 when it runs down), or the only one it meets;
+ * if it meets both, the other goes on the stack. Returns the new top. */
+static inline struct query_visit *query_cut(struct query_visit *v, struct query_visit *top,
+                                            uint32_t first, bool down, float early, float late)
+{
+    const bool enters_near = !(late < v->begin), enters_far = !(early > v->end);
+    if (enters_near && enters_far) {
+        *top++ = (struct query_visit){first + !down, early > v->begin ? early : v->begin, v->end};
+        v->end = late < v->end ? late : v->end;
+    }
+    v->node = first + (enters_near ? down : !down);
+    return top;
+}
+
 #endif
