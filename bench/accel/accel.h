@@ -88,7 +88,7 @@ void kdtree_release(struct kdtree *);
 
 struct octree_node { /* 8 bytes */
     uint32_t first; /* of eight children, bit k set: the upper half along axis k; leaf: into refs */
-    uint32_t count; /* OCTREE_INNER, or triangles of a leaf */
+    uint32_t count; /* UINT32_MAX: inner, or triangles of a leaf */
 };
 
 struct octree {
@@ -111,7 +111,7 @@ void octree_release(struct octree *);
 struct bsp_node {            /* 24 bytes; children are neighbours: behind the plane, in front */
     float normal[3], offset; /* dot(normal, p) == offset; the normal is unit */
     uint32_t first;          /* child behind; leaf: into refs */
-    uint32_t count;          /* BSP_INNER, or triangles of a leaf */
+    uint32_t count;          /* UINT32_MAX: inner, or triangles of a leaf */
 };
 
 struct bsp {
