@@ -3,6 +3,7 @@
 # make check      install what the tests need, build, run every test     (README: "Tests")
 # make check-long the same under ASan/UBSan and TSan, with gcc and clang
 # make bench      measurements, each beside a peer or oracle, in one run
+# make bench-accel  the textbooks' structures beside ours: docs/accel.{csv,svg}
 # MODE=release|debug|asan|tsan|coverage|fuzz    CC=gcc|clang    WERROR=1    J=jobs at once
 
 MODE   ?= release
@@ -51,7 +52,7 @@ BENCH  := $(patsubst bench/%.c,$(B)/%,$(wildcard bench/bench_*.c))
 TOOLS  := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/tool_*.c))
 FUZZ   := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/fuzz_*.c))
 
-.PHONY: all tests demo pictures check check-unit check-rules check-e2e check-long bench fuzz fuzz-run install clean
+.PHONY: all tests demo pictures check check-unit check-rules check-e2e check-long bench bench-accel fuzz fuzz-run install clean
 .SECONDARY:
 .DELETE_ON_ERROR:
 
@@ -104,7 +105,7 @@ $(O)/%.o: %.c Makefile
 	$(CC) $(ALL_CFLAGS) -MMD -MP -c -o $@ $<
 -include $(shell find $(O) -name '*.d' 2>/dev/null)
 
-tests: $(TESTS) $(TOOLS)
+tests: $(TESTS) $(TOOLS) $(B)/bench-accel
 
 demo:
 	deploy/install-deps build
@@ -141,6 +142,11 @@ check-long:
 bench: all $(BENCH) $(TOOLS)
 	@for b in $(BENCH); do echo "== $$b"; $$b || exit 1; done
 	@for b in $(wildcard bench/bench_*.py); do echo "== $$b"; BIN=$(B) python3 $$b || exit 1; done
+
+bench-accel: $(B)/bench-accel
+	$< >$(O)/accel.csv
+	cp $(O)/accel.csv docs/
+	python3 bench/accel/chart.py docs/accel.csv docs/accel.svg
 
 fuzz:
 	$(MAKE) MODE=fuzz CC=clang fuzz-run

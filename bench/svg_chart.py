@@ -22,10 +22,11 @@ import math
 import os
 import xml.sax.saxutils
 
-WIDTH, HEIGHT = 224, 200  # of a panel's plot
-LEFT, RIGHT, TOP, BOTTOM = 58, 92, 26, 44  # about it
+WIDTH, HEIGHT = 224, 220  # of a panel's plot
+LEFT, TOP, BOTTOM = 58, 26, 44  # about it; on the right, the names
 HEADING, TITLE, NOTE = 24, 30, 18  # of a row, the whole, a line of the note
 FONT, SMALL = 12, 11
+LETTER = 0.6  # width of a letter at the most on average, in parts of its size
 LABEL_STEP = 14  # between the names of two lines
 INK, GREY, FAINT = "#1a1a1a", "#5a5a5a", "#e3e3e3"
 
@@ -104,7 +105,7 @@ class Axis:
                     yield value, number(value) if m in named else None
 
     def _even_ticks(self):
-        raw = (self.end - self.begin) / 5
+        raw = (self.end - self.begin) / 6
         power = 10 ** math.floor(math.log10(raw))
         step = next(m * power for m in (1, 2, 5, 10) if m * power >= raw)
         for i in range(math.ceil(self.begin / step), math.floor(self.end / step) + 1):
@@ -198,8 +199,7 @@ def names(lines, ends):
     for line, (x, y), at in zip(lines, ends, apart([y for _, y in ends], LABEL_STEP, 0, HEIGHT)):
         color = STYLES[line.style][0]
         if abs(at - y) > 2 or x < WIDTH - 20:
-            out.append(f'<path d="M{x + 6:.1f} {y:.1f}L{WIDTH + 5} {at:.1f}" stroke="{color}" stroke-width="0.7" '
-                       'fill="none"/>')
+            out.append(f'<path d="M{x + 6:.1f} {y:.1f}L{WIDTH + 5} {at:.1f}" stroke="{color}" stroke-width="0.7"/>')
         out.append(marker(WIDTH + 12, at, line.style, line.gave_up))
         bold = ' font-weight="bold"' if line.style == 0 else ""
         out.append(text(WIDTH + 20, at + 4, line.name, more=bold))
@@ -236,7 +236,8 @@ def figure(title, rows, note=""):
     """SVG text. rows: (heading, panels) each; note: lines below, what one sees."""
     columns = max(len(panels) for _, panels in rows)
     notes = note.split("\n") if note else []
-    step_x, step_y = LEFT + WIDTH + RIGHT, HEADING + TOP + HEIGHT + BOTTOM
+    longest = max(len(line.name) for _, panels in rows for panel in panels for line in panel.lines)
+    step_x, step_y = LEFT + WIDTH + 26 + math.ceil(LETTER * SMALL * longest), HEADING + TOP + HEIGHT + BOTTOM
     width, height = columns * step_x, TITLE + len(rows) * step_y + NOTE * len(notes) + 10
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}" '
            f'role="img" font-family="Helvetica, Arial, Liberation Sans, DejaVu Sans, sans-serif">',

@@ -14,31 +14,31 @@ HEADINGS = {"ball": "Evenly spread: a bumpy ball on a ground, all triangles of o
             "stadium": "A teapot in a stadium: the same ball, 1 m wide, on the floor of an empty hall of 100 m"}
 STRUCTURES = ["smalti", "binary BVH", "k-d tree", "BSP tree", "octree", "grid"]  # in the order of styles
 NOTE = ("One thread, CPU time. Rays: half from the camera, half bounced; the same triangle test, and the same hits to the "
-        "last bit, for all. Memory: the triangles (36 bytes) and the structure.")
+        "last bit, for all.\nMemory: the triangles (36 bytes each) and the structure.")
 HOLLOW = "A hollow end: the structure gave up at the next size; accel.csv says why."
 
-# title, unit, value of a row or None
+# title, unit, value of a row or None, whether both scenes have the same axis
 PANELS = [
-    ("Building", "µs per triangle", lambda r: 1e6 * float(r["build_s"]) / float(r["triangles"]) if r["build_s"] else None),
-    ("Memory", "bytes per triangle", lambda r: float(r["bytes_per_triangle"]) if r["bytes_per_triangle"] else None),
-    ("Speed", "Mrays/s", lambda r: float(r["mrays_per_s"]) if r["mrays_per_s"] else None),
+    ("Building", "µs per triangle",
+     lambda r: 1e6 * float(r["build_s"]) / float(r["triangles"]) if r["build_s"] else None, True),
+    ("Memory", "bytes per triangle", lambda r: float(r["bytes_per_triangle"]) if r["bytes_per_triangle"] else None, True),
+    ("Speed", "Mrays/s", lambda r: float(r["mrays_per_s"]) if r["mrays_per_s"] else None, False),
 ]
 
 
 def line(rows, structure, value):
     """Up to the first value that is missing: there the structure gave up."""
     mine = sorted((r for r in rows if r["structure"] == structure), key=lambda r: int(r["triangles"]))
-    points, gave_up = [], any(r["gave_up"] for r in mine)
-    for r in mine:
-        if value(r) is None:
-            break
-        points.append((int(r["triangles"]), value(r)))
-    return chart.Line(structure, points, STRUCTURES.index(structure), gave_up)
+    points = [(int(r["triangles"]), value(r)) for r in mine]
+    known = next((i for i, (_, v) in enumerate(points) if v is None), len(points))
+    return chart.Line(structure, points[:known], STRUCTURES.index(structure), known < len(points))
 
 
-def common_range(rows, value):
-    values = [v for v in (value(r) for r in rows) if v is not None]
-    return min(values) / 1.15, max(values) * 1.15
+def span(values):
+    """Of an axis: the values and a margin, on a logarithmic scale."""
+    values = [v for v in values if v is not None]
+    margin = (max(values) / min(values)) ** 0.06
+    return min(values) / margin, max(values) * margin
 
 
 def figure(path):
@@ -48,13 +48,13 @@ def figure(path):
     if not rows:
         sys.exit(f"{path}: no measurements")
     scenes = list(dict.fromkeys(r["scene"] for r in rows))
-    counts = [int(r["triangles"]) for r in rows]
+    x_range = span([int(r["triangles"]) for r in rows])
     figure_rows = []
     for scene in scenes:
         of_scene = [r for r in rows if r["scene"] == scene]
-        panels = [chart.Panel(title, "triangles", unit, [line(of_scene, s, value) for s in STRUCTURES],
-                              x_range=(min(counts) / 1.3, max(counts) * 1.3), y_range=common_range(rows, value))
-                  for title, unit, value in PANELS]
+        panels = [chart.Panel(title, "triangles", unit, [line(of_scene, s, value) for s in STRUCTURES], x_range=x_range,
+                              y_range=span([value(r) for r in (rows if shared else of_scene)]))
+                  for title, unit, value, shared in PANELS]
         figure_rows.append((HEADINGS[scene], panels))
     note = NOTE + ("\n" + HOLLOW if any(r["gave_up"] for r in rows) else "")
     return "Why the eight-wide BVH: the structures of the textbooks beside smalti's", figure_rows, note
