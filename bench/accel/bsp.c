@@ -38,8 +38,8 @@ static uint32_t add_nodes(struct bsp *t, uint32_t count)
 static bool build_part(struct builder *b, const struct part *p, struct err *err)
 {
     struct bsp *t = b->tree;
-    const struct bsp_cell cell = {b->waiting.at + p->begin, p->end - p->begin, p->lines_begin,
-                                  p->lines_end};
+    const uint32_t *prims = p->end > p->begin ? &b->waiting.at[p->begin] : NULL;
+    const struct bsp_cell cell = {prims, p->end - p->begin, p->lines_begin, p->lines_end};
     struct bsp_plane plane = {{0}, 0};
     const uint64_t waiting =
         b->waiting.count * sizeof *b->waiting.at + b->chooser.line_count * sizeof *b->chooser.lines;
