@@ -145,7 +145,7 @@ bench: all $(BENCH) $(TOOLS)
 
 bench-accel: $(B)/bench-accel
 	$< >$(O)/accel.csv
-	cp $(O)/accel.csv docs/
+	mv $(O)/accel.csv docs/
 	python3 bench/accel/chart.py docs/accel.csv docs/accel.svg
 
 fuzz:

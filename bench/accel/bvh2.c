@@ -146,33 +146,25 @@ bool bvh2_build(struct bvh2 *t, struct accel_mesh mesh, const struct accel_limit
 
 bool bvh2_hit(const struct bvh2 *t, const struct ray *ray, struct ray_hit *hit)
 {
-    struct {
-        uint32_t node;
-        float begin;
-    } stack[MAX_DEPTH];
+    struct query_visit stack[MAX_DEPTH + 1], *top = stack;
     struct query q;
-    float in[2][2];
-    if (!query_make(&q, t->mesh, &t->bounds, ray) ||
-        !query_box(&q, t->bounds.lo, t->bounds.hi, in[0]))
+    if (!query_enter(&q, t->mesh, &t->bounds, ray, top++))
         return false;
-    int depth = 0;
-    stack[depth].begin = in[0][0];
-    stack[depth++].node = 0;
-    while (depth) {
-        if (stack[--depth].begin > q.best.t) /* an equal hit may have a smaller number */
+    while (top > stack) {
+        const struct query_visit v = *--top;
+        if (v.begin > q.best.t) /* an equal hit in there may have a smaller number */
             continue;
-        const struct bvh2_node *node = &t->nodes[stack[depth].node];
+        const struct bvh2_node *node = &t->nodes[v.node];
         while (!node->count) {
             const struct bvh2_node *child = &t->nodes[node->first];
+            float in[2][2];
             const bool meets[2] = {query_box(&q, child[0].lo, child[0].hi, in[0]),
                                    query_box(&q, child[1].lo, child[1].hi, in[1])};
             if (!meets[0] && !meets[1])
-                break;
+                break; /* there are no triangles in an inner node */
             const bool near = meets[1] && (!meets[0] || in[1][0] < in[0][0]);
-            if (meets[0] && meets[1]) {
-                stack[depth].node = node->first + !near;
-                stack[depth++].begin = in[!near][0];
-            }
+            if (meets[0] && meets[1])
+                *top++ = (struct query_visit){node->first + !near, in[!near][0], in[!near][1]};
             node = &child[near];
         }
         query_triangles(&q, t->refs + node->first, node->count);

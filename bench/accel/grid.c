@@ -7,7 +7,6 @@
  * rounding may do to any ray within ACCEL_REACH (query.h). SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "bench/accel/build.h"
 #include "bench/accel/query.h"

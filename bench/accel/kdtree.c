@@ -1,10 +1,10 @@
-/* k-d tree by the surface area heuristic: I. Wald, V. Havran, "On building fast kd-Trees for Ray
- * Tracing, and on doing that in O(N log N)", RT 2006: its costs, its premium on empty space and its
- * strict sides; the traversal is the recursion of its section 2 with a stack. Where a node has many
- * triangles, planes are tried at the borders of equal bins: M. Shevtsov, A. Soupikov, A. Kapustin,
- * "Highly Parallel Fast KD-tree Construction for Interactive Ray Tracing of Dynamic Scenes",
- * Eurographics 2007; where few, at every side of a triangle's box. Boxes are not shrunk to the part
- * of the triangle inside the node ("perfect splits"). SPDX-License-Identifier: MIT */
+/* k-d tree by the surface area heuristic, with a premium on empty space: I. Wald, V. Havran, "On
+ * building fast kd-Trees for Ray Tracing, and on doing that in O(N log N)", RT 2006. Where a node
+ * has many triangles, planes are tried at the borders of equal bins: M. Shevtsov, A. Soupikov, A.
+ * Kapustin, "Highly Parallel Fast KD-tree Construction for Interactive Ray Tracing of Dynamic
+ * Scenes", Eurographics 2007; where few, at every side of a triangle's box. Boxes are not shrunk to
+ * the part of the triangle inside the node ("perfect splits"). SPDX-License-Identifier: MIT */
+#include <math.h>
 #include <stdlib.h>
 
 #include "bench/accel/build.h"
@@ -155,9 +155,9 @@ bool kdtree_build(struct kdtree *t, struct accel_mesh mesh, const struct accel_l
 {
     *t = (struct kdtree){.mesh = mesh, .bounds = build_bounds(mesh)};
     struct builder b = {t, limits, build_boxes(mesh), {0}, 8};
-    for (uint64_t n = 1; n < mesh.count && b.depth_max < MAX_DEPTH;
-         n *= 2) /* 8 + 1.3 log2 N: Havran */
-        b.depth_max = 8 + (uint32_t)(1.3 * (63 - __builtin_clzll(2 * n)));
+    if (mesh.count >
+        1) /* as in Physically Based Rendering, 3rd ed., section 4.4; below MAX_DEPTH */
+        b.depth_max += (uint32_t)(1.3 * log2(mesh.count));
     for (uint32_t i = 0; i < mesh.count; i++)
         build_push(&b.waiting, i);
     const bool done =
