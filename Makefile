@@ -4,6 +4,7 @@
 # make check-long the same under ASan/UBSan and TSan, with gcc and clang
 # make bench      measurements, each beside a peer or oracle, in one run
 # make bench-rays the ray kernel beside Embree's (ARGS=--quick: half a minute)
+# make bench-accel  the textbooks' structures beside ours: docs/accel.{csv,svg}
 # MODE=release|debug|asan|tsan|coverage|fuzz    CC=gcc|clang    WERROR=1    J=jobs at once
 
 MODE   ?= release
@@ -49,12 +50,14 @@ TRACE  := $(wildcard common/trace/*.c)
 SERVER := $(filter-out server/main.c,$(wildcard server/*.c))
 WORKER := $(filter-out worker/main.c,$(wildcard worker/*.c))
 CLIENT := $(filter-out client/main.c,$(wildcard client/*.c))
+ACCEL  := $(filter-out bench/accel/main.c,$(wildcard bench/accel/*.c))
 TESTS  := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/test_*.c))
 BENCH  := $(patsubst bench/%.c,$(B)/%,$(wildcard bench/bench_*.c))
 TOOLS  := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/tool_*.c))
 FUZZ   := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/fuzz_*.c))
 
-.PHONY: all tests demo pictures check check-unit check-rules check-e2e check-long bench bench-rays fuzz fuzz-run install clean
+.PHONY: all tests demo pictures check check-unit check-rules check-e2e check-long bench bench-rays bench-accel fuzz \
+	fuzz-run install clean
 .SECONDARY:
 .DELETE_ON_ERROR:
 
@@ -65,6 +68,7 @@ $(O)/libtrace.a:  $(call obj,$(TRACE))
 $(O)/libserver.a: $(call obj,$(SERVER))
 $(O)/libworker.a: $(call obj,$(WORKER))
 $(O)/libclient.a: $(call obj,$(CLIENT))
+$(O)/libaccel.a:  $(call obj,$(ACCEL))
 $(O)/libtest.a:   $(call obj,$(filter-out tests/test_%.c tests/tool_%.c tests/fuzz_%.c,$(wildcard tests/*.c)))
 $(O)/libbench.a:  $(call obj,$(BENCH_PARTS))
 $(O)/%.a:
@@ -82,7 +86,8 @@ $(B)/smalti: $(O)/client/main.o $(O)/libclient.a $(O)/libtrace.a $(O)/libcommon.
 	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_HTTP) $(LIBS_IMAGE) $(LIBS_COMMON)
 
 # Tests, tools and benchmarks may use every part of every program but its main.c.
-PARTS = $(O)/libbench.a $(O)/libtest.a $(O)/libserver.a $(O)/libworker.a $(O)/libclient.a $(O)/libtrace.a $(O)/libcommon.a
+PARTS = $(O)/libaccel.a $(O)/libbench.a $(O)/libtest.a $(O)/libserver.a $(O)/libworker.a $(O)/libclient.a \
+	$(O)/libtrace.a $(O)/libcommon.a
 LIBS_ALL = $(LIBS_SERVER) $(LIBS_HTTP) $(LIBS_IMAGE) $(LIBS_COMMON)
 $(B)/test_%: $(O)/tests/test_%.o $(PARTS)
 	@mkdir -p $(@D)
@@ -94,6 +99,9 @@ $(B)/bench_%: $(O)/bench/bench_%.o $(PARTS)
 	@mkdir -p $(@D)
 	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_ALL)
 $(B)/bench_rays: LIBS_ALL += $(if $(EMBREE),-lembree3)
+$(B)/bench-accel: $(O)/bench/accel/main.o $(PARTS)
+	@mkdir -p $(@D)
+	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_ALL)
 $(B)/fuzz_%: $(O)/tests/fuzz_%.o $(PARTS)
 	@mkdir -p $(@D)
 	$(CC) $(ALL_LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(LIBS_ALL)
@@ -105,7 +113,7 @@ $(O)/%.o: %.c Makefile
 	$(CC) $(ALL_CFLAGS) -MMD -MP -c -o $@ $<
 -include $(shell find $(O) -name '*.d' 2>/dev/null)
 
-tests: $(TESTS) $(TOOLS)
+tests: $(TESTS) $(TOOLS) $(B)/bench-accel
 
 demo:
 	deploy/install-deps build
@@ -148,6 +156,10 @@ bench-rays:
 	-deploy/install-deps bench # without Embree it says so
 	$(MAKE) -j$(J) $(B)/bench_rays
 	$(B)/bench_rays $(ARGS)
+bench-accel: $(B)/bench-accel
+	$< >$(O)/accel.csv
+	mv $(O)/accel.csv docs/
+	python3 bench/accel/chart.py docs/accel.csv docs/accel.svg
 
 fuzz:
 	$(MAKE) MODE=fuzz CC=clang fuzz-run

@@ -64,7 +64,7 @@ void race_build(struct race *race, struct race_trees *trees)
         trees->seconds[k] *= 1e-6;
     }
     const struct ours_tree ours = ours_tree(race->stage);
-    const double triangles = (double)race->stage->triangles.count;
+    const double triangles = (double)race->stage->prim_count;
     trees->sah_ours = ours.sah;
     trees->bytes[RACE_OURS] = (double)ours.bytes / triangles;
     for (int k = 0; k < EMBREE_KINDS; k++)

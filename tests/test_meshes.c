@@ -28,7 +28,7 @@ static void test_sizes(void)
                 name))
             continue;
         const struct stage *s = scenes_stage(&m.scenes);
-        ok(m.triangles == s->triangles.count && !s->dropped_degenerate && !s->dropped_nonfinite,
+        ok(m.triangles == s->prim_count && !s->dropped_degenerate && !s->dropped_nonfinite,
            "%s: no triangle is degenerate (%u)", name, m.triangles);
         if (kind == MESHES_CORNELL)
             ok(m.triangles == full[kind], "%s: %u triangles", name, m.triangles);

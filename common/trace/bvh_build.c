@@ -239,6 +239,40 @@ uint32_t bvh_plan_write(const struct bvh_plan *plan, const struct bvh_site *site
     return plan->part_count ? final_ref(&w, &plan->parts[0], plan->root) : plan->root;
 }
 
+struct filling {
+    const struct bvh_plan *plan;
+    const struct stage_triangle *triangles;
+    const uint32_t *prims;
+    struct stage_block *blocks;
+};
+
+static void fill_block(const struct filling *f, struct bvh_leaf leaf, struct stage_block *b)
+{
+    for (uint32_t lane = 0; lane < STAGE_LANES; lane++) {
+        const bool used = lane < leaf.end - leaf.begin;
+        const uint32_t from = used ? f->plan->items[leaf.begin + lane].index : 0;
+        b->prim[lane] = used ? f->prims[from] : STAGE_NONE;
+        for (int i = 0; i < 3; i++)
+            for (int k = 0; k < 3; k++)
+                b->v[i][k][lane] = used ? f->triangles[from].v[i][k] : __builtin_nanf("");
+    }
+}
+
+static void fill_part(void *arg, uint32_t i)
+{
+    const struct filling *f = arg;
+    const struct bvh_part *part = &f->plan->parts[i];
+    for (uint32_t n = 0; n < part->leaf_count; n++)
+        fill_block(f, part->leaves[n], &f->blocks[part->leaf_begin + n]);
+}
+
+void bvh_plan_fill(const struct bvh_plan *plan, const struct stage_triangle *triangles,
+                   const uint32_t *prims, struct stage_block *blocks, const struct crew *crew)
+{
+    struct filling f = {plan, triangles, prims, blocks};
+    crew_run(crew, fill_part, &f, plan->part_count);
+}
+
 void bvh_plan_release(struct bvh_plan *plan)
 {
     for (uint32_t i = 0; i < plan->part_count; i++)

@@ -1,8 +1,8 @@
 /* bvh_build.h - items -> hierarchy of eight-wide nodes.
  *
  * In two steps, because what a tree needs is known only when it is there: bvh_plan_make sorts the items
- * and plans nodes and leaves; bvh_plan_write then writes nodes where the caller has made room for
- * them, and the caller fills the blocks, leaf by leaf.
+ * and plans nodes and leaves; bvh_plan_write and bvh_plan_fill then write nodes and blocks where the
+ * caller has made room for them.
  *
  * A node is made by splitting its range in two (bvh_split.h), and then the part of the largest
  * surface again, until there are eight: its children. A range that fits in a leaf is one.
@@ -51,6 +51,10 @@ struct bvh_site { /* where a plan's nodes and blocks will lie in the stage */
 
 /* Returns the root's reference. */
 uint32_t bvh_plan_write(const struct bvh_plan *, const struct bvh_site *, const struct crew *);
+
+/* blocks: room for leaf_count. Items of kind BVH_BLOCK have indices into triangles and prims. */
+void bvh_plan_fill(const struct bvh_plan *, const struct stage_triangle *triangles,
+                   const uint32_t *prims, struct stage_block *blocks, const struct crew *);
 
 void bvh_plan_release(struct bvh_plan *);
 

@@ -152,31 +152,6 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
 
 /* --- trees --- */
 
-struct filling { /* of the blocks of one tree */
-    const struct prep_tree *tree;
-    struct stage_block *blocks;
-};
-
-static void fill_block(const struct prep_tree *tree, struct bvh_leaf leaf, struct stage_block *b)
-{
-    for (uint32_t lane = 0; lane < STAGE_LANES; lane++) {
-        const bool used = lane < leaf.end - leaf.begin;
-        const uint32_t from = used ? tree->items[leaf.begin + lane].index : 0;
-        b->prim[lane] = used ? tree->prims[from] : STAGE_NONE;
-        for (int i = 0; i < 3; i++)
-            for (int k = 0; k < 3; k++)
-                b->v[i][k][lane] = used ? tree->triangles[from].v[i][k] : __builtin_nanf("");
-    }
-}
-
-static void fill_part(void *arg, uint32_t i)
-{
-    const struct filling *f = arg;
-    const struct bvh_part *part = &f->tree->plan.parts[i];
-    for (uint32_t n = 0; n < part->leaf_count; n++)
-        fill_block(f->tree, part->leaves[n], &f->blocks[part->leaf_begin + n]);
-}
-
 /* Where the lights among the world's triangles have come to lie: their index was their number among
  * the triangles so far. */
 static void place_emitters(const struct prep_plan *p, struct emitter *emitters,
@@ -216,8 +191,7 @@ static void write_trees(const struct prep_plan *p, unsigned char *block, const s
         trees[i].root = bvh_plan_write(plan, &site, crew);
         trees[i].block_begin = block_begin;
         trees[i].block_end = block_begin + plan->leaf_count;
-        struct filling f = {&p->trees[i], blocks + block_begin};
-        crew_run(crew, fill_part, &f, plan->part_count);
+        bvh_plan_fill(plan, p->trees[i].triangles, p->trees[i].prims, blocks + block_begin, crew);
         node_begin += plan->node_count;
         block_begin += plan->leaf_count;
     }
