@@ -124,7 +124,8 @@ static bool place_check(struct scene_doc *doc, const struct scene_at *shape, con
 {
     struct err err;
     struct scene_at transform;
-    if (scene_check_similarity(x, what, &err) && scene_check_world(x, center, radius, &err))
+    if (scene_check_similarity(x, what, &err) && scene_check_world(x, center, &err) &&
+        scene_check_length(x, "a radius", radius, &err))
         return true;
     const bool has = scene_at_member(shape, "transform", &transform);
     return scene_doc_fault(doc, has ? &transform : shape, err.code, "%s", err.text);
@@ -187,7 +188,7 @@ static bool read_quad(struct scene_doc *doc, const struct scene_at *at, struct s
     for (size_t i = 0; i < 4; i++) {
         const struct scene_at item = scene_at_item(&list, i);
         const bool read = scene_doc_numbers(doc, &item, coordinate, v[i], 3);
-        if (read && x && !scene_check_world(x, v[i], 0, &err))
+        if (read && x && !scene_check_world(x, v[i], &err))
             good = scene_doc_fault(doc, &item, err.code, "%s", err.text);
         good &= read;
         for (int k = 0; read && k < 3; k++)
@@ -208,7 +209,7 @@ static void check_mesh_world(struct scene_doc *doc, const struct scene_at *at,
         const float *v = mesh->vertices + (size_t)3 * i;
         const double p[3] = {(double)v[0], (double)v[1], (double)v[2]};
         struct err err;
-        if (!scene_check_world(x, p, 0, &err)) {
+        if (!scene_check_world(x, p, &err)) {
             const struct scene_at item = scene_at_item(&list, i);
             scene_doc_fault(doc, &item, err.code, "%s", err.text);
         }
