@@ -7,7 +7,7 @@
 enum {
     BINS = 16,
     LEAF_MAX = 4,    /* primitives of a leaf: measured flat between 2 and 8 */
-    KIND_LEVELS = 2, /* splitting three kinds apart takes at most two levels */
+    KIND_LEVELS = 3, /* splitting four kinds apart takes at most three levels */
 };
 
 /* Visiting a node, in units of one primitive test. */

@@ -4,6 +4,7 @@
 #include <float.h>
 
 #include "common/trace/box.h"
+#include "common/trace/cylinder.h"
 #include "common/trace/sphere.h"
 #include "common/trace/tri.h"
 
@@ -14,6 +15,7 @@ struct query {
     const struct stage_triangle *triangles;
     const struct stage_sphere *spheres;
     const struct stage_disc *discs;
+    const struct stage_cylinder *cylinders;
     struct box_ray box;
     struct tri_ray tri;
     const struct ray *ray;
@@ -39,6 +41,7 @@ static bool query_make(const struct stage *s, const struct ray *ray, struct quer
         .triangles = stage_at(s, s->triangles),
         .spheres = stage_at(s, s->spheres),
         .discs = stage_at(s, s->discs),
+        .cylinders = stage_at(s, s->cylinders),
         .box = box_ray_make(ray),
         .tri = tri_ray_make(ray),
         .ray = ray,
@@ -68,6 +71,9 @@ static struct bvh_box bounds_of(const struct query *q, enum stage_prim_kind kind
     case STAGE_DISC:
         sphere_bounds(q->discs[index].center, q->discs[index].radius, box.lo, box.hi);
         return box;
+    case STAGE_CYLINDER:
+        cylinder_bounds(&q->cylinders[index], box.lo, box.hi);
+        return box;
     }
     __builtin_unreachable();
 }
@@ -96,6 +102,9 @@ static inline bool prim_hit(const struct query *q, struct tri_ray *tri, enum sta
         break;
     case STAGE_DISC:
         found = sphere_disc_hit(q->ray, &q->discs[index], t_max, &hit->t);
+        break;
+    case STAGE_CYLINDER:
+        found = cylinder_hit(q->ray, &q->cylinders[index], t_max, &hit->t);
         break;
     }
     if (!found)

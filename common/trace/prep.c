@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/trace/bvh.h"
+#include "common/trace/cylinder.h"
 #include "common/trace/fmath.h"
 #include "common/trace/sphere.h"
 #include "common/trace/tri.h"
@@ -21,6 +22,7 @@ struct plan {
     struct stage_triangle *triangles;
     struct stage_sphere *spheres;
     struct stage_disc *discs;
+    struct stage_cylinder *cylinders;
     struct emitter *emitters;
     double *power; /* of each emitter */
     float *pick_cdf;
@@ -50,6 +52,7 @@ static struct plan plan_make(const struct scene *scene, uint64_t prims, struct a
         .triangles = arena_new(scratch, struct stage_triangle, prims),
         .spheres = arena_new(scratch, struct stage_sphere, prims),
         .discs = arena_new(scratch, struct stage_disc, prims),
+        .cylinders = arena_new(scratch, struct stage_cylinder, prims),
         .emitters = arena_new(scratch, struct emitter, emitters),
         .power = arena_new(scratch, double, emitters),
         .pick_cdf = arena_new(scratch, float, emitters + 1),
@@ -197,6 +200,19 @@ static void add_disc(struct plan *p, uint32_t shape, const struct shape *s)
     add_prim(p, shape, STAGE_DISC, (uint32_t)index, box, PI * (double)radius * (double)radius);
 }
 
+/* Its front is the outside, which a mirror image keeps. */
+static void add_cylinder(struct plan *p, uint32_t shape, const struct shape *s)
+{
+    const uint64_t index = p->head.cylinders.count++;
+    struct stage_cylinder *c = &p->cylinders[index];
+    vec3_store(c->from, xform_point(&s->to_world, vec3_load(s->cylinder.from)));
+    vec3_store(c->axis, xform_vector(&s->to_world, vec3_load(s->cylinder.axis)));
+    c->radius = s->cylinder.radius * scale_of(&s->to_world);
+    struct bvh_box box;
+    cylinder_bounds(c, box.lo, box.hi);
+    add_prim(p, shape, STAGE_CYLINDER, (uint32_t)index, box, cylinder_area(c));
+}
+
 static void add_shapes(struct plan *p)
 {
     for (uint32_t i = 0; i < p->scene->shape_count; i++) {
@@ -207,6 +223,9 @@ static void add_shapes(struct plan *p)
             break;
         case SHAPE_DISC:
             add_disc(p, i, s);
+            break;
+        case SHAPE_CYLINDER:
+            add_cylinder(p, i, s);
             break;
         case SHAPE_QUAD:
             add_quad(p, i, s);
@@ -332,6 +351,7 @@ static const struct stage *lay_out(struct plan *p, struct arena *arena)
         {&head->triangles, p->triangles, sizeof *p->triangles},
         {&head->spheres, p->spheres, sizeof *p->spheres},
         {&head->discs, p->discs, sizeof *p->discs},
+        {&head->cylinders, p->cylinders, sizeof *p->cylinders},
         {&head->materials, p->scene->materials, sizeof *p->scene->materials},
         {&head->emitters, p->emitters, sizeof *p->emitters},
         {&head->pick_cdf, p->pick_cdf, sizeof *p->pick_cdf},

@@ -14,7 +14,7 @@
 
 #include "common/scene.h"
 
-enum { STAGE_VERSION = 1 };
+enum { STAGE_VERSION = 2 };
 
 struct stage_span { /* an array inside the block */
     uint64_t offset; /* bytes from the start of the stage, 64-aligned */
@@ -35,13 +35,19 @@ struct stage_disc {
     float pad;
 };
 
-enum stage_prim_kind { STAGE_TRIANGLE, STAGE_SPHERE, STAGE_DISC };
+struct stage_cylinder {
+    float from[3], radius;
+    float axis[3]; /* from one end to the other */
+    float pad;
+};
+
+enum stage_prim_kind { STAGE_TRIANGLE, STAGE_SPHERE, STAGE_DISC, STAGE_CYLINDER };
 
 struct stage_prim { /* indexed by prim */
     uint32_t shape; /* index into scene.shapes, for reports */
     uint32_t material;
     uint32_t kind : 2;   /* enum stage_prim_kind */
-    uint32_t index : 30; /* into triangles, spheres or discs */
+    uint32_t index : 30; /* into the array of its kind */
     uint32_t emitter;    /* index into emitters, or STAGE_NONE */
 };
 
@@ -84,6 +90,7 @@ struct stage {
     struct stage_span triangles; /* struct stage_triangle */
     struct stage_span spheres;   /* struct stage_sphere */
     struct stage_span discs;     /* struct stage_disc */
+    struct stage_span cylinders; /* struct stage_cylinder */
     struct stage_span materials; /* struct material, names NULL */
     struct stage_span emitters;  /* struct emitter */
     struct stage_span pick_cdf;  /* float: cumulative pick, one more than emitters */

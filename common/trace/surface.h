@@ -27,6 +27,8 @@ struct surface surface_at(const struct stage *, const struct ray *, const struct
 struct surface surface_on_triangle(const struct stage *, uint32_t prim, float u, float v);
 struct surface surface_on_sphere(const struct stage *, uint32_t prim, vec3 outward_unit);
 struct surface surface_on_disc(const struct stage *, uint32_t prim, vec3 p);
+/* along: 0 at the first end, 1 at the other; outward: at right angles to the axis or nearly so. */
+struct surface surface_on_cylinder(const struct stage *, uint32_t prim, float along, vec3 outward);
 
 /* The ray from s along dir, t_max infinite. */
 struct ray surface_leave(const struct surface *s, vec3 dir);
