@@ -118,7 +118,7 @@ struct surface surface_on_cylinder(const struct stage *s, uint32_t prim, float a
 }
 
 /* Met anew in double: far away, the rounding of the hit's t is more than a thin cylinder's radius,
- * and the normal would be that of some other point. */
+ * and the normal would be that of some other point. The root is the one the hit was rounded from. */
 static struct surface met_cylinder(const struct stage *s, const struct ray *ray,
                                    const struct ray_hit *hit)
 {

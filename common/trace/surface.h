@@ -21,6 +21,7 @@ struct surface {
     uint32_t emitter; /* or STAGE_NONE */
 };
 
+/* The very ray that was traced: what is met is computed from it anew where t is not exact enough. */
 struct surface surface_at(const struct stage *, const struct ray *, const struct ray_hit *);
 
 /* A point chosen on a primitive by light sampling, with the same guarantees. */
