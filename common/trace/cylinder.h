@@ -65,11 +65,10 @@ static inline bool cylinder_root(const struct ray *r, const struct stage_cylinde
     const double discriminant = aa * (nn * rr - passing * passing);
     if (!(nn > 0 && discriminant >= 0))
         return false;
-    /* |m + t n|^2 = aa rr */
+    /* Of |m + t n|^2 = aa rr. The second one is the later, or else behind the origin. */
     const double b = -sphere_dot(m, n), root = __builtin_sqrt(discriminant);
     const double q = b >= 0 ? b + root : b - root;
-    const double other = (sphere_dot(m, m) - aa * rr) / q;
-    const double roots[2] = {b >= 0 ? other : q / nn, b >= 0 ? q / nn : other};
+    const double roots[2] = {(sphere_dot(m, m) - aa * rr) / q, q / nn};
     const double fa = sphere_dot(f, a), da = sphere_dot(d, a);
     for (int i = 0; i < 2; i++) {
         const double height = fa + roots[i] * da; /* times |a| */

@@ -129,8 +129,7 @@ static struct surface met_cylinder(const struct stage *s, const struct ray *ray,
     cylinder_axis(c, a);
     for (int k = 0; k < 3; k++)
         f[k] += t * d[k];
-    const double along = sphere_dot(f, a) / sphere_dot(a, a);
-    return on_cylinder(s, hit->prim, along < 0 ? 0 : along > 1 ? 1 : along, f);
+    return on_cylinder(s, hit->prim, sphere_dot(f, a) / sphere_dot(a, a), f);
 }
 
 struct surface surface_at(const struct stage *s, const struct ray *ray, const struct ray_hit *hit)
