@@ -91,14 +91,14 @@ struct mesh {
     uint32_t vertex_count, triangle_count;
 };
 
-enum shape_kind { SHAPE_SPHERE, SHAPE_DISC, SHAPE_QUAD, SHAPE_MESH };
+enum shape_kind { SHAPE_SPHERE, SHAPE_DISC, SHAPE_CYLINDER, SHAPE_QUAD, SHAPE_MESH };
 
 struct shape {
     enum shape_kind kind;
     uint32_t material;     /* index into scene.materials */
     rgb emission;          /* radiance leaving the front side; 0: not a light. Front: outside of a
-                            * sphere, else the side the normal points to */
-    struct xform to_world; /* a sphere's and a disc's is a similarity (checked), maybe a mirror */
+                            * sphere or cylinder, else the side the normal points to */
+    struct xform to_world; /* but for quads and meshes a similarity (checked), maybe a mirror */
     union {
         struct {
             float center[3], radius; /* radius > 0 */
@@ -106,6 +106,10 @@ struct shape {
         struct {
             float center[3], normal[3], radius; /* normal: unit */
         } disc;
+        struct { /* the side alone, open at both ends */
+            float from[3], axis[3]; /* axis: from one end to the other, in m */
+            float radius;
+        } cylinder;
         struct {
             float vertices[4][3]; /* planar, convex, counter-clockwise seen from the front */
         } quad;

@@ -96,8 +96,7 @@ bool scene_check_rigid(struct scene_xform *x, struct err *err)
     return true;
 }
 
-bool scene_check_world(const struct scene_xform *x, const double p[3], double length,
-                       struct err *err)
+bool scene_check_world(const struct scene_xform *x, const double p[3], struct err *err)
 {
     double world[3];
     scene_xform_point(x, p, world);
@@ -106,12 +105,18 @@ bool scene_check_world(const struct scene_xform *x, const double p[3], double le
             return err_set(err, ERR_INPUT,
                            "expected coordinates in [-1e18, 1e18] after the transform, got %g",
                            world[i]);
+    return true;
+}
+
+bool scene_check_length(const struct scene_xform *x, const char *what, double length,
+                        struct err *err)
+{
     double column[3];
     column_of(x, 0, column);
     const double size = length * scene_length(column);
-    if (length > 0 && !(size >= SCENE_MIN_LENGTH && size <= SCENE_MAX_ABS))
-        return err_set(err, ERR_INPUT,
-                       "expected a radius in [1e-18, 1e18] after the transform, got %g", size);
+    if (!(size >= SCENE_MIN_LENGTH && size <= SCENE_MAX_ABS))
+        return err_set(err, ERR_INPUT, "expected %s in [1e-18, 1e18] after the transform, got %g",
+                       what, size);
     return true;
 }
 

@@ -19,9 +19,10 @@ bool scene_check_affine(const struct scene_xform *, struct err *) MUST_CHECK;
 bool scene_check_similarity(const struct scene_xform *, const char *what, struct err *) MUST_CHECK;
 /* Rotations and translations; the columns are then made exactly orthonormal. */
 bool scene_check_rigid(struct scene_xform *, struct err *) MUST_CHECK;
-/* The image of a point and of a length (0: none) lies in range. */
-bool scene_check_world(const struct scene_xform *, const double p[3], double length,
-                       struct err *) MUST_CHECK;
+/* The image of a point, of a length (`what`: "a radius") under a similarity, lies in range. */
+bool scene_check_world(const struct scene_xform *, const double p[3], struct err *) MUST_CHECK;
+bool scene_check_length(const struct scene_xform *, const char *what, double length,
+                        struct err *) MUST_CHECK;
 bool scene_check_quad(double vertices[4][3], struct err *) MUST_CHECK; /* flat and convex */
 bool scene_check_crop(const struct scene_film *, struct err *) MUST_CHECK;
 bool scene_check_pixels(const struct scene_film *, struct err *) MUST_CHECK;

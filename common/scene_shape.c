@@ -119,15 +119,20 @@ bool scene_read_transform(struct scene_doc *doc, const struct scene_at *at, stru
 /* clang-format on */
 
 /* Where a shape would end up is its transform's fault: its own values have been in range. */
+static bool place_fault(struct scene_doc *doc, const struct scene_at *shape, const struct err *err)
+{
+    struct scene_at transform;
+    const bool has = scene_at_member(shape, "transform", &transform);
+    return scene_doc_fault(doc, has ? &transform : shape, err->code, "%s", err->text);
+}
+
 static bool place_check(struct scene_doc *doc, const struct scene_at *shape, const char *what,
                         const struct scene_xform *x, const double center[3], double radius)
 {
     struct err err;
-    struct scene_at transform;
-    if (scene_check_similarity(x, what, &err) && scene_check_world(x, center, radius, &err))
-        return true;
-    const bool has = scene_at_member(shape, "transform", &transform);
-    return scene_doc_fault(doc, has ? &transform : shape, err.code, "%s", err.text);
+    return (scene_check_similarity(x, what, &err) && scene_check_world(x, center, &err) &&
+            scene_check_length(x, "a radius", radius, &err)) ||
+           place_fault(doc, shape, &err);
 }
 
 static bool read_sphere(struct scene_doc *doc, const struct scene_at *at, struct shape *s,
@@ -171,6 +176,41 @@ static bool read_disc(struct scene_doc *doc, const struct scene_at *at, struct s
     return !x || place_check(doc, at, "a disc", x, center, radius);
 }
 
+/* The axis is taken before rounding, so that a short cylinder far from the origin keeps its
+ * direction. */
+static bool read_cylinder(struct scene_doc *doc, const struct scene_at *at, struct shape *s,
+                          const struct scene_xform *x)
+{
+    static const struct scene_key keys[] = {
+        COMMON_KEYS, {"from", true}, {"to", true}, {"radius", true}};
+    double from[3], to[3], axis[3], radius;
+    bool good = scene_doc_object(doc, at, "a cylinder", keys, countof(keys));
+    good &= scene_key_numbers(doc, at, "from", coordinate, from, 3);
+    good &= scene_key_numbers(doc, at, "to", coordinate, to, 3);
+    good &= scene_key_number(doc, at, "radius", length_range, &radius);
+    if (!good)
+        return false;
+    for (int i = 0; i < 3; i++)
+        axis[i] = to[i] - from[i];
+    const double length = scene_length(axis);
+    struct scene_at member;
+    if (!(length >= length_range.lo && length <= length_range.hi))
+        return scene_at_member(at, "to", &member) &&
+               scene_doc_fault(doc, &member, ERR_INPUT,
+                               "expected a point 1e-18 to 1e18 m from \"from\", got one %g m away",
+                               length);
+    for (int i = 0; i < 3; i++) {
+        s->cylinder.from[i] = (float)from[i];
+        s->cylinder.axis[i] = (float)axis[i];
+    }
+    s->cylinder.radius = (float)radius;
+    struct err err;
+    return !x ||
+           (place_check(doc, at, "a cylinder", x, from, radius) &&
+            ((scene_check_world(x, to, &err) && scene_check_length(x, "a length", length, &err)) ||
+             place_fault(doc, at, &err)));
+}
+
 static bool read_quad(struct scene_doc *doc, const struct scene_at *at, struct shape *s,
                       const struct scene_xform *x)
 {
@@ -187,7 +227,7 @@ static bool read_quad(struct scene_doc *doc, const struct scene_at *at, struct s
     for (size_t i = 0; i < 4; i++) {
         const struct scene_at item = scene_at_item(&list, i);
         const bool read = scene_doc_numbers(doc, &item, coordinate, v[i], 3);
-        if (read && x && !scene_check_world(x, v[i], 0, &err))
+        if (read && x && !scene_check_world(x, v[i], &err))
             good = scene_doc_fault(doc, &item, err.code, "%s", err.text);
         good &= read;
         for (int k = 0; read && k < 3; k++)
@@ -208,7 +248,7 @@ static void check_mesh_world(struct scene_doc *doc, const struct scene_at *at,
         const float *v = mesh->vertices + (size_t)3 * i;
         const double p[3] = {(double)v[0], (double)v[1], (double)v[2]};
         struct err err;
-        if (!scene_check_world(x, p, 0, &err)) {
+        if (!scene_check_world(x, p, &err)) {
             const struct scene_at item = scene_at_item(&list, i);
             scene_doc_fault(doc, &item, err.code, "%s", err.text);
         }
@@ -271,8 +311,11 @@ static void read_material_name(struct scene_doc *doc, const struct scene_at *at,
         unknown_material(doc, at, names);
 }
 
-static const char *const shape_names[] = {
-    [SHAPE_SPHERE] = "sphere", [SHAPE_DISC] = "disc", [SHAPE_QUAD] = "quad", [SHAPE_MESH] = "mesh"};
+static const char *const shape_names[] = {[SHAPE_SPHERE] = "sphere",
+                                          [SHAPE_DISC] = "disc",
+                                          [SHAPE_CYLINDER] = "cylinder",
+                                          [SHAPE_QUAD] = "quad",
+                                          [SHAPE_MESH] = "mesh"};
 
 static void read_shape(struct scene_doc *doc, const struct scene_at *at,
                        const struct scene_names *names, struct scene *scene, struct shape *s)
@@ -296,6 +339,9 @@ static void read_shape(struct scene_doc *doc, const struct scene_at *at,
         return;
     case SHAPE_DISC:
         read_disc(doc, at, s, known);
+        return;
+    case SHAPE_CYLINDER:
+        read_cylinder(doc, at, s, known);
         return;
     case SHAPE_QUAD:
         read_quad(doc, at, s, known);

@@ -49,6 +49,11 @@ bool catalog_next(const struct stage *s, uint64_t *at, struct stage_id *id)
             found = at_round(STAGE_DISC, i,
                              ((const struct stage_disc *)stage_at(s, s->discs))[i].prim, id);
         i -= inside ? 0 : s->discs.count;
+        if (!inside && (inside = i < s->cylinders.count))
+            found =
+                at_round(STAGE_CYLINDER, i,
+                         ((const struct stage_cylinder *)stage_at(s, s->cylinders))[i].prim, id);
+        i -= inside ? 0 : s->cylinders.count;
         for (uint32_t k = 0; !inside && k < s->instances.count; k++) {
             const struct stage_tree *t = tree_at(s, stage_instance_at(s, k)->tree);
             const uint64_t own = (uint64_t)(t->block_end - t->block_begin) * STAGE_LANES;

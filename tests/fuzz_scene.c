@@ -37,6 +37,9 @@ static void check_scene(const struct scene *s)
         require(s->shapes[i].material < s->material_count);
         require(s->shapes[i].kind != SHAPE_MESH || s->shapes[i].mesh.mesh < s->mesh_count);
         require(s->shapes[i].kind != SHAPE_SPHERE || s->shapes[i].sphere.radius > 0);
+        require(s->shapes[i].kind != SHAPE_CYLINDER ||
+                (s->shapes[i].cylinder.radius > 0 &&
+                 vec3_length(vec3_load(s->shapes[i].cylinder.axis)) > 0));
     }
     for (uint32_t i = 0; i < s->mesh_count; i++)
         for (size_t k = 0; k < (size_t)3 * s->meshes[i].triangle_count; k++)

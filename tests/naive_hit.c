@@ -79,19 +79,48 @@ static struct candidate triangle_hit(const struct line *l, const struct stage_tr
     return judge(l, dot(e2, q) / det, fmin(d0, fmin(d1, d2)), sine, far);
 }
 
-/* The nearer root in range; both are judged. */
+/* Of two places along the line the one that is met first. */
+static struct candidate nearer(struct candidate first, struct candidate second)
+{
+    first.doubtful |= second.doubtful && !first.hit;
+    first.t = first.hit || first.doubtful ? first.t : second.t;
+    first.hit |= second.hit;
+    return first;
+}
+
 static struct candidate sphere_hit(const struct line *l, const struct stage_sphere *s)
 {
     const struct vec f = sub(l->o, load(s->center));
     const double r = (double)s->radius, far = extent(f) + r;
     const double b = dot(f, l->d), gap = length(cross(f, l->d));
     const double h = r * r - gap * gap, root = sqrt(h > 0 ? h : 0), sine = root / r;
-    struct candidate first = judge(l, -b - root, r - gap, sine, far);
-    const struct candidate second = judge(l, -b + root, r - gap, sine, far);
-    first.doubtful |= second.doubtful && !first.hit;
-    first.t = first.hit || first.doubtful ? first.t : second.t;
-    first.hit |= second.hit;
-    return first;
+    return nearer(judge(l, -b - root, r - gap, sine, far), judge(l, -b + root, r - gap, sine, far));
+}
+
+/* In coordinates x, y across the axis and z along it, in which the side is x^2 + y^2 = r^2. */
+static struct candidate cylinder_hit(const struct line *l, const struct stage_cylinder *c)
+{
+    const struct vec a = load(c->axis), f = sub(l->o, load(c->from));
+    const double r = (double)c->radius, h = length(a), far = extent(f) + h + r;
+    const struct vec z = {a.x / h, a.y / h, a.z / h};
+    const struct vec off = fabs(z.x) < 0.5 ? (struct vec){1, 0, 0} : (struct vec){0, 1, 0};
+    struct vec x = cross(z, off);
+    const double s = length(x);
+    x = (struct vec){x.x / s, x.y / s, x.z / s};
+    const struct vec y = cross(z, x);
+    const double fx = dot(f, x), fy = dot(f, y), dx = dot(l->d, x), dy = dot(l->d, y);
+    const double across = hypot(dx, dy), gap = fabs(fx * dy - fy * dx) / across;
+    if (!isfinite(gap) || across < 1e-9) /* along the axis: on the side or beside it */
+        return (struct candidate){0, 0, false, fabs(hypot(fx, fy) - r) < margin * far};
+    const double chord = sqrt(fmax(r * r - gap * gap, 0)), middle = -(fx * dx + fy * dy) / across;
+    const double sine = across * chord / r;
+    struct candidate at[2];
+    for (int i = 0; i < 2; i++) {
+        const double t = (middle + (i ? chord : -chord)) / across;
+        const double height = dot(f, z) + t * dot(l->d, z);
+        at[i] = judge(l, t, fmin(r - gap, fmin(height, h - height) * sine), sine, far);
+    }
+    return nearer(at[0], at[1]);
 }
 
 static struct candidate disc_hit(const struct line *l, const struct stage_disc *s)
@@ -117,8 +146,8 @@ static struct candidate prim_hit(const struct stage *s, struct stage_id id, cons
         return sphere_hit(l, (const struct stage_sphere *)stage_at(s, s->spheres) + index);
     case STAGE_DISC:
         return disc_hit(l, (const struct stage_disc *)stage_at(s, s->discs) + index);
-    case STAGE_KINDS:
-        break;
+    case STAGE_CYLINDER:
+        return cylinder_hit(l, (const struct stage_cylinder *)stage_at(s, s->cylinders) + index);
     }
     return (struct candidate){0, 0, false, true};
 }
@@ -141,7 +170,7 @@ struct naive_hit naive_hit_closest(const struct stage *s, const struct ray *r)
         if (c.doubtful && c.t < doubt)
             doubt = c.t;
     }
-    best.doubtful = doubt <= best.t * (1 + margin) && (best.hit || doubt < HUGE_VAL);
+    best.doubtful = doubt <= best.t + margin * fabs(best.t) && (best.hit || doubt < HUGE_VAL);
     best.t /= scale;
     best.t_reach /= scale;
     return best;

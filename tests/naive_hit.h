@@ -1,5 +1,6 @@
 /* naive_hit.h - the oracle of ray intersection: every primitive, in double, by other formulas
- * than the core's (Moller and Trumbore 1997; the quadratic; the plane). Shares with it the stage
+ * than the core's (Moller and Trumbore 1997; the quadratic; the plane; a circle
+ * in the plane across the axis). Shares with it the stage
  * only.
  *
  * Float and double may disagree about a ray that all but grazes something. Such a ray is

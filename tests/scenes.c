@@ -109,6 +109,15 @@ struct shape *scenes_disc(struct scenes *s, uint32_t material, vec3 center, vec3
     return shape;
 }
 
+struct shape *scenes_cylinder(struct scenes *s, uint32_t material, vec3 from, vec3 to, float radius)
+{
+    struct shape *shape = add_shape(s, SHAPE_CYLINDER, material);
+    vec3_store(shape->cylinder.from, from);
+    vec3_store(shape->cylinder.axis, to - from);
+    shape->cylinder.radius = radius;
+    return shape;
+}
+
 struct shape *scenes_quad(struct scenes *s, uint32_t material, vec3 corner, vec3 a, vec3 b)
 {
     struct shape *shape = add_shape(s, SHAPE_QUAD, material);

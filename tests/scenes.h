@@ -30,6 +30,8 @@ uint32_t scenes_metal(struct scenes *, rgb eta, rgb k, float alpha);
 struct shape *scenes_sphere(struct scenes *, uint32_t material, vec3 center, float radius);
 struct shape *scenes_disc(struct scenes *, uint32_t material, vec3 center, vec3 normal,
                           float radius);
+struct shape *scenes_cylinder(struct scenes *, uint32_t material, vec3 from, vec3 to,
+                              float radius);
 /* The parallelogram corner, corner + a, corner + a + b, corner + b; its front is where a x b is. */
 struct shape *scenes_quad(struct scenes *, uint32_t material, vec3 corner, vec3 a, vec3 b);
 struct shape *scenes_triangle(struct scenes *, uint32_t material, vec3 a, vec3 b, vec3 c);

@@ -77,6 +77,8 @@ struct sphere_chi2_result sphere_chi2_run(const struct sphere_chi2 *t, uint32_t 
             continue;
         }
         observed[cell_of(w)]++;
+        if (t->pdf_most > 0 && pdf_w > t->pdf_most)
+            continue;
         const double asked = (double)t->pdf_w(t->what, w);
         r.pdf_off = fmax(r.pdf_off, fabs((double)pdf_w / asked - 1));
     }

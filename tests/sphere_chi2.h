@@ -16,6 +16,8 @@ struct sphere_chi2 {
     float (*pdf_w)(const void *what, vec3 w);
     const void *what;
     int min_depth; /* cells are halved at least so often: more than 0 if the pdf has edges */
+    float pdf_most; /* above it pdf_off is not judged: a pdf that is infinite at an outline says
+                     * nothing there that rounding leaves standing. 0: judged everywhere */
 };
 
 struct sphere_chi2_result {

@@ -73,6 +73,8 @@ static void fill(struct scenes *s, struct dice *d, double size, int triangles, i
         const float radius = (float)(size * dice_unit(d)) + 1e-3f;
         scenes_sphere(s, m, soup_point(d, 1), radius);
         scenes_disc(s, m, soup_point(d, 1), soup_direction(d), radius);
+        const vec3 end = soup_point(d, 1);
+        scenes_cylinder(s, m, end, end + soup_point(d, size), radius);
         scenes_quad(s, m, soup_point(d, 1), soup_point(d, size), soup_point(d, size));
     }
 }

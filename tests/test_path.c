@@ -16,8 +16,8 @@
 #include "tests/stat.h"
 #include "tests/tap.h"
 
-/* A room with coloured walls, a metal ball, a ball of glass or chalk, a mirror, a quad light and a
- * sphere light. */
+/* A room with coloured walls, a metal ball, a ball of glass or chalk, a mirror, a quad light, a
+ * sphere light and a tube. */
 static void mixed(struct scenes *s, uint32_t side_px, bool glass)
 {
     scenes_init(s, side_px, side_px);
@@ -34,6 +34,8 @@ static void mixed(struct scenes *s, uint32_t side_px, bool glass)
                 vec3_make(2.4f, 0, 0), vec3_make(0, 0, 2.4f))
         ->emission = vec3_make(2, 2, 1.5f);
     scenes_sphere(s, white, vec3_make(1, 1.2f, -.9f), .25f)->emission = vec3_make(1, 2, 6);
+    scenes_cylinder(s, metal, vec3_make(-1.2f, 1.5f, -.9f), vec3_make(.2f, .1f, .9f), .05f)
+        ->emission = vec3_make(4, 1, 1);
 }
 
 /* --- against the oracle --- */

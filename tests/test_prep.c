@@ -74,10 +74,10 @@ static void test_shared_edges(void)
 /* What the author sees as the front of a shape, in its own space, is the front in the world. */
 static void test_fronts(void)
 {
-    static const char *const names[] = {"mesh", "quad", "disc", "sphere"};
-    int wrong[4] = {0};
-    for (uint64_t seed = 0; seed < 400; seed++) {
-        const uint32_t kind = (uint32_t)seed % 4;
+    static const char *const names[] = {"mesh", "quad", "disc", "sphere", "cylinder"};
+    int wrong[5] = {0};
+    for (uint64_t seed = 0; seed < 500; seed++) {
+        const uint32_t kind = (uint32_t)seed % 5;
         struct dice d = dice_make(seed);
         struct scenes s;
         scenes_init(&s, 1, 1);
@@ -87,13 +87,14 @@ static void test_fronts(void)
         struct shape *shape = kind == 0   ? scenes_triangle(&s, m, at, at + a, at + b)
                               : kind == 1 ? scenes_quad(&s, m, at, a, b)
                               : kind == 2 ? scenes_disc(&s, m, at, front, 1)
-                                          : scenes_sphere(&s, m, at, 0.5f);
-        const struct xform x = similarity(&d, 0.5f + dice_float(&d), seed / 4 & 1);
+                              : kind == 3 ? scenes_sphere(&s, m, at, 0.5f)
+                                          : scenes_cylinder(&s, m, at - a, at + a, 0.5f);
+        const struct xform x = similarity(&d, 0.5f + dice_float(&d), seed / 5 & 1);
         shape->to_world = x;
         const struct stage *stage = scenes_stage(&s);
         /* From a point before the front, in object space, to a point of the shape. */
         const vec3 on = kind == 2   ? at + 0.4f * a - 0.4f * vec3_dot(a, front) * front
-                        : kind == 3 ? at
+                        : kind >= 3 ? at
                                     : at + 0.3f * a + 0.3f * b;
         const vec3 eye = xform_point(&x, on + front), to = xform_point(&x, on);
         const struct ray ray = {eye, to - eye, INFINITY};
@@ -103,7 +104,7 @@ static void test_fronts(void)
             wrong[kind]++;
         scenes_release(&s);
     }
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 5; i++)
         ok(wrong[i] == 0, "a %s keeps its front under mirroring (%d of 100 do not)", names[i],
            wrong[i]);
 }
@@ -117,12 +118,19 @@ static void test_sizes(void)
     const struct xform x = similarity(&d, 3, true);
     scenes_sphere(&s, m, vec3_make(1, 2, 3), 0.5f)->to_world = x;
     scenes_disc(&s, m, vec3_make(1, 2, 3), vec3_make(0, 1, 0), 0.25f)->to_world = x;
+    const vec3 from = vec3_make(1, 2, 3), to = vec3_make(1, 2.5f, 3);
+    scenes_cylinder(&s, m, from, to, 0.125f)->to_world = x;
     const struct stage *stage = scenes_stage(&s);
     const struct stage_sphere *sphere = stage_at(stage, stage->spheres);
+    const struct stage_cylinder *cylinder = stage_at(stage, stage->cylinders);
     const struct stage_disc *disc = stage_at(stage, stage->discs);
     near((double)sphere->radius, 1.5, 1e-6, "a sphere's radius grows with the scale");
     near((double)disc->radius, 0.75, 1e-6, "a disc's radius, too");
     near((double)vec3_length(vec3_load(disc->normal)), 1, 1e-6, "a disc's normal stays unit");
+    near((double)cylinder->radius, 0.375, 1e-6, "a cylinder's radius, too");
+    const vec3 end = vec3_load(cylinder->from) + vec3_load(cylinder->axis);
+    near((double)vec3_length(end - xform_point(&x, to)), 0, 1e-6,
+         "its axis leads to the other end");
     const vec3 center = xform_point(&x, vec3_make(1, 2, 3));
     ok(vec3_length(center - vec3_load(sphere->center)) == 0, "the centre moves with the transform");
     scenes_release(&s);
@@ -185,6 +193,8 @@ static void test_picks(void)
     scenes_disc(&s, m, vec3_make(0, 0, 1), vec3_make(0, 0, 1), 0.25f)->emission =
         vec3_make(0, 1, 0);
     scenes_quad(&s, m, vec3_make(-1, -1, 1), vec3_make(2, 0, 0), vec3_make(0, 2, 0)); /* no light */
+    scenes_cylinder(&s, m, vec3_make(0, 0.5f, 0), vec3_make(0.3f, 0.9f, 0), 0.1f)->emission =
+        rgb_gray(5);
     scenes_light(&s, LIGHT_POINT)->point.intensity = rgb_gray(1.5f);
     struct light *sun = scenes_light(&s, LIGHT_DISTANT);
     sun->distant.direction[1] = -1;
@@ -192,20 +202,24 @@ static void test_picks(void)
     scenes_sky(&s, rgb_gray(0.25f));
     scenes_sky(&s, rgb_gray(0.5f));
     const struct stage *stage = scenes_stage(&s);
-    const double power[] = {pi * 2 * 3,   pi * 2 * 3,
-                            pi * pi * 2,  pi * pi / 16 * 0.7152,
-                            4 * pi * 1.5, pi * (4 + 4 + 4.0) / 4 * 0.75};
+    const double power[] = {pi * 2 * 3,
+                            pi * 2 * 3,
+                            pi * pi * 2,
+                            pi * pi / 16 * 0.7152,
+                            pi * 2 * pi * 0.1 * 0.5 * 5,
+                            4 * pi * 1.5,
+                            pi * (4 + 4 + 4.0) / 4 * 0.75};
     double total = 0, sum = 0;
     for (size_t i = 0; i < countof(power); i++)
         total += power[i];
     const struct emitter *e = stage_at(stage, stage->emitters);
     const float *cdf = stage_at(stage, stage->pick_cdf);
-    if (!ok(stage->emitters.count == countof(power), "six emitters; the skies are none"))
+    if (!ok(stage->emitters.count == countof(power), "seven emitters; the skies are none"))
         return;
     bool rises = cdf[0] == 0;
     for (size_t i = 0; i < countof(power); i++) {
         /* The scene's radius is that of its bounds, in which the disc has a cube. */
-        near((double)e[i].pick, power[i] / total, i == 5 ? 0.03 : 0.01,
+        near((double)e[i].pick, power[i] / total, i == 6 ? 0.03 : 0.01,
              "emitter %zu is picked by its power", i);
         sum += (double)e[i].pick;
         rises &= cdf[i + 1] > cdf[i];
@@ -227,6 +241,7 @@ static void test_picks(void)
         found &= memcmp(&id.place, &e[i].place, sizeof id.place) == 0;
     }
     ok(found, "emitters know where they are");
+    near((double)e[4].area, pi * 0.1, 1e-6, "a cylinder that of its side");
     near((double)stage->sky[0], 0.75, 0, "skies add up");
     scenes_release(&s);
 }
@@ -296,6 +311,7 @@ static void test_block(void)
     for (int i = 0; i < 20; i++) {
         scenes_sphere(&s, m, soup_point(&d, 1), 0.1f)->emission = rgb_gray(1);
         scenes_disc(&s, m, soup_point(&d, 1), soup_direction(&d), 0.1f);
+        scenes_cylinder(&s, m, soup_point(&d, 1), soup_point(&d, 1), 0.1f);
         scenes_quad(&s, m, soup_point(&d, 1), soup_point(&d, 1), soup_point(&d, 1));
     }
     scenes_light(&s, LIGHT_POINT)->point.intensity = rgb_gray(1);
@@ -313,9 +329,9 @@ static void test_block(void)
     ok(memcmp(a->magic, "SMSTAGE", 8) == 0 && a->version == STAGE_VERSION &&
            a->struct_bytes == sizeof *a && (uintptr_t)a % 64 == 0,
        "the block says what it is and is aligned");
-    const struct stage_span spans[] = {a->shapes,    a->trees,    a->nodes, a->blocks,
-                                       a->instances, a->spheres,  a->discs, a->materials,
-                                       a->emitters,  a->pick_cdf};
+    const struct stage_span spans[] = {a->shapes,  a->trees, a->nodes,     a->blocks,    a->instances,
+                                       a->spheres, a->discs, a->cylinders, a->materials, a->emitters,
+                                       a->pick_cdf};
     bool placed = true;
     for (size_t i = 0; i < countof(spans); i++)
         placed &=

@@ -159,7 +159,9 @@ static void shapes(void)
            "1, 0], [0, 0, 1]], \"triangles\": [[0, 1, 2], [3, 2, 1]]}, "
            "{\"type\": \"mesh\", \"material\": \"gray\", \"file\": \"a/b.OBJ\"}, "
            "{\"type\": \"mesh\", \"material\": \"gray\", \"format\": \"ply\", \"asset\": "
-           "\"0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef\"}]}"),
+           "\"0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef\"}, "
+           "{\"type\": \"cylinder\", \"material\": \"gray\", \"from\": [100, 0, 7], \"to\": "
+           "[100.0000001, 0, 7.0000002], \"radius\": 0.5, \"emission\": 2}]}"),
        "every kind of shape");
     const struct shape *s = scene.shapes;
     ok(s[0].kind == SHAPE_SPHERE && is_vec(s[0].sphere.center, 1, 2, 0) &&
@@ -170,6 +172,11 @@ static void shapes(void)
        "disc; its normal is made a unit");
     ok(rgb_is_black(s[1].emission), "shapes are dark by default");
     ok(s[2].kind == SHAPE_QUAD && is_vec(s[2].quad.vertices[2], 2, 3, 0), "quad");
+    ok(s[6].kind == SHAPE_CYLINDER && is_vec(s[6].cylinder.from, 100, 0, 7) &&
+           s[6].cylinder.radius == .5f && is_rgb(s[6].emission, 2, 2, 2),
+       "cylinder");
+    near((double)(s[6].cylinder.axis[2] / s[6].cylinder.axis[0]), 2, 1e-6,
+         "whose axis is not that of its rounded ends");
     const struct mesh *m = scene.meshes;
     ok(scene.mesh_count == 3 && s[3].mesh.mesh == 0 && s[5].mesh.mesh == 2,
        "meshes are numbered in document order");

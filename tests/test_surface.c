@@ -148,6 +148,77 @@ static void test_leave_spheres(void)
        in.met, in.rays);
 }
 
+static vec3 cylinder_axis_of(const struct stage *s)
+{
+    return vec3_load(((const struct stage_cylinder *)stage_at(s, s->cylinders))->axis);
+}
+
+/* At any height and on any side of the only cylinder. */
+static struct surface cylinder_point(struct dice *d, const struct stage *s, vec3 axis)
+{
+    const float along = dice_float(d);
+    return surface_on_cylinder(s, catalog_id(s, 0), along, vec3_cross(axis, soup_direction(d)));
+}
+
+/* Inwards a cylinder is met at the other end of a chord, which starting inside by the error e
+ * lengthens by less than 4 sqrt(e r) across the axis, or not at all where the chord leaves through
+ * an end. Too near an end to tell, it is not judged. */
+static void go_through(const struct stage *s, const struct surface *p, const struct ray *ray,
+                       struct tally *n)
+{
+    const struct stage_cylinder *c = stage_at(s, s->cylinders);
+    const vec3 axis = vec3_load(c->axis);
+    const float height = vec3_length(axis), r = c->radius, error = vec3_length(p->p_error);
+    const float rise = vec3_dot(ray->dir, axis / height);
+    const vec3 across = ray->dir - rise * (axis / height);
+    const float chord = -2 * r * vec3_dot(across, p->ng) / vec3_dot(across, across);
+    const float least = 0.99f * chord,
+                most = 1.01f * chord + 4 * sqrtf(error * r) / vec3_length(across);
+    const float begin = vec3_dot(p->p - vec3_load(c->from), axis / height);
+    const float low = fminf(begin + least * rise, begin + most * rise);
+    const float high = fmaxf(begin + least * rise, begin + most * rise);
+    struct ray_hit hit;
+    const bool met = bvh_hit_closest(s, ray, &hit), missed = high < 0 || low > height;
+    if (!missed && !(low > error && high < height - error))
+        return;
+    n->rays++;
+    n->empty += missed;
+    n->met += missed ? met : !met || hit.t < least || hit.t > most;
+}
+
+static void test_leave_cylinders(void)
+{
+    struct tally out = {0}, in = {0};
+    for (uint64_t seed = 0; seed < SCENES; seed++) {
+        struct dice d = dice_make(seed);
+        struct scenes s;
+        scenes_init(&s, 1, 1);
+        const vec3 from = seed % 2 ? soup_magnitudes(&d, -8, 8) : vec3_make(0, 0, 0);
+        const float radius = fabsf(soup_magnitudes(&d, -8, 8)[0]);
+        scenes_cylinder(&s, scenes_diffuse(&s, rgb_gray(0.5f)), from,
+                        from + soup_magnitudes(&d, -8, 8), radius);
+        const struct stage *stage = scenes_stage(&s);
+        const vec3 axis = cylinder_axis_of(stage);
+        for (int i = 0; i < RAYS; i++) {
+            struct surface p = cylinder_point(&d, stage, axis);
+            if (i & 1)
+                find_point(&d, stage, p.p, radius, &p);
+            struct ray ray = surface_leave(&p, leaving(&d, p.ng, 1));
+            out.rays++;
+            out.met += bvh_hit_any(stage, &ray);
+            if (vec3_length(p.p_error) > 1e-6f * radius)
+                continue;
+            ray = surface_leave(&p, leaving(&d, p.ng, -1));
+            go_through(stage, &p, &ray, &in);
+        }
+        scenes_release(&s);
+    }
+    ok(out.met == 0, "rays that leave a cylinder do not meet it: %d of %d do", out.met, out.rays);
+    ok(in.met == 0 && in.empty > 20000 / STAT_SLOW && in.rays - in.empty > 20000 / STAT_SLOW,
+       "rays into a cylinder meet its far side, or go out by an end (%d): %d of %d do not",
+       in.empty, in.met, in.rays);
+}
+
 /* A random light of any shape, of the size given, at a place. */
 static void add_light(struct dice *d, struct scenes *s, uint32_t kind, vec3 at, float size)
 {
@@ -158,6 +229,8 @@ static void add_light(struct dice *d, struct scenes *s, uint32_t kind, vec3 at, 
         scenes_disc(s, 0, at, a, size);
     else if (kind == 2)
         scenes_sphere(s, 0, at, size);
+    else if (kind == 3)
+        scenes_cylinder(s, 0, at, at + a, size * (dice_bits(d) & 1 ? 1 : 0.01f));
     else
         scenes_quad(s, 0, at, a, b);
 }
@@ -175,6 +248,14 @@ static struct surface point_on(struct dice *d, const struct stage *s, uint32_t p
         const vec3 flat = vec3_unit(vec3_cross(n, soup_direction(d)));
         return surface_on_disc(s, id, vec3_load(disc->center) + flat * (disc->radius * u));
     }
+    if (id.place.kind == STAGE_CYLINDER) {
+        const struct stage_cylinder *cylinder =
+            (const struct stage_cylinder *)stage_at(s, s->cylinders) + id.place.index;
+        const vec3 axis = vec3_load(cylinder->axis);
+        const vec3 out = vec3_cross(axis, soup_direction(d));
+        const vec3 to_viewer = seen_from - vec3_load(cylinder->from) - axis * u;
+        return surface_on_cylinder(s, id, u, vec3_dot(out, to_viewer) < 0 ? -out : out);
+    }
     const struct stage_sphere *sphere =
         (const struct stage_sphere *)stage_at(s, s->spheres) + id.place.index;
     const vec3 to_viewer = seen_from - vec3_load(sphere->center);
@@ -186,8 +267,8 @@ static struct surface point_on(struct dice *d, const struct stage *s, uint32_t p
  */
 static void test_two_shapes(void)
 {
-    static const char *const names[] = {"triangle", "disc", "sphere", "quad"};
-    for (uint32_t kind = 0; kind < 4; kind++) {
+    static const char *const names[] = {"triangle", "disc", "sphere", "cylinder", "quad"};
+    for (uint32_t kind = 0; kind < 5; kind++) {
         struct tally n = {0};
         int edge_on = 0;
         for (uint64_t seed = 0; seed < SCENES; seed++) {
@@ -202,8 +283,8 @@ static void test_two_shapes(void)
             vec3 at = soup_point(&d, (double)size * pow(10, dice_range(&d, -1, 4)));
             at = seed & 1 ? soup_point(&d, (double)size) - away : at;
             add_light(&d, &s, kind, at, size);
-            const uint32_t other = s.scene.shape_count + (kind == 3);
-            add_light(&d, &s, dice_bits(&d) % 4, at + away, size);
+            const uint32_t other = s.scene.shape_count + (kind == 4);
+            add_light(&d, &s, dice_bits(&d) % 5, at + away, size);
             const struct stage *stage = scenes_stage(&s);
             for (int i = 0; i < RAYS; i++) {
                 const struct surface from =
@@ -212,9 +293,11 @@ static void test_two_shapes(void)
                 const vec3 way = vec3_unit(to.p - from.p);
                 const float rise = fabsf(vec3_dot(way, from.ng)),
                             fall = fabsf(vec3_dot(way, to.ng));
-                const bool behind = kind == 2 && vec3_dot(way, from.ng) < 1e-3f;
-                const bool beyond =
-                    catalog_id(stage, other).place.kind == STAGE_SPHERE && vec3_dot(way, to.ng) > -1e-3f;
+                /* A sphere or cylinder shadows what lies behind its own side. */
+                const uint32_t other_kind = catalog_id(stage, other).place.kind;
+                const bool behind = (kind == 2 || kind == 3) && vec3_dot(way, from.ng) < 1e-3f;
+                const bool beyond = other_kind != STAGE_TRIANGLE && other_kind != STAGE_DISC &&
+                                    vec3_dot(way, to.ng) > -1e-3f;
                 if (rise < 1e-3f || fall < 1e-3f || behind || beyond) {
                     edge_on++;
                     continue;
@@ -301,6 +384,32 @@ static void test_near_occluder(void)
     ok(tiny == 0, "and is what rays from the floor meet (%d of %d do not)", tiny, rays);
 }
 
+/* From the primitive to p, in double; *scale: how far off an error of ng would put it. */
+static double height_over(const struct stage *s, uint32_t kind, const struct surface *p,
+                          double *scale)
+{
+    const struct stage_sphere *sphere = stage_at(s, s->spheres);
+    const struct stage_disc *disc = stage_at(s, s->discs);
+    const struct stage_triangle t =
+        kind ? (struct stage_triangle){{{0}}} : catalog_triangle(s, 0);
+    const struct stage_cylinder *c = stage_at(s, s->cylinders);
+    const float *anchor[] = {t.v[0], disc->center, sphere->center, c->from};
+    double f[3], a[3], ff = 0, fn = 0, cc = 0, aa = 0;
+    for (int k = 0; k < 3; k++) {
+        f[k] = (double)p->p[k] - (double)anchor[kind][k];
+        a[k] = kind == 3 ? (double)c->axis[k] : 0;
+        ff += f[k] * f[k], aa += a[k] * a[k], fn += f[k] * (double)p->ng[k];
+    }
+    for (int k = 0; k < 3; k++) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        cc += (f[i] * a[j] - f[j] * a[i]) * (f[i] * a[j] - f[j] * a[i]);
+    }
+    *scale = kind < 2 ? sqrt(ff) : 0;
+    return kind == 2   ? sqrt(ff) - (double)sphere->radius
+           : kind == 3 ? sqrt(cc / aa) - (double)c->radius
+                       : fn;
+}
+
 /* The stated bound holds: the point lies within p_error of the primitive, in double. */
 static void test_error_bounds(void)
 {
@@ -310,30 +419,16 @@ static void test_error_bounds(void)
         struct scenes s;
         scenes_init(&s, 1, 1);
         scenes_diffuse(&s, rgb_gray(0.5f));
-        add_light(&d, &s, (uint32_t)seed % 3, soup_magnitudes(&d, -2, 2), 1);
+        add_light(&d, &s, (uint32_t)seed % 4, soup_magnitudes(&d, -2, 2), 1);
         const struct stage *stage = scenes_stage(&s);
         for (int i = 0; i < RAYS; i++, points++) {
             const struct surface p = point_on(&d, stage, 0, vec3_make(0, 0, 0));
-            double height = 0, bound = 0, anchor[3], radius = 0;
-            const struct stage_sphere *sphere = stage_at(stage, stage->spheres);
-            const struct stage_disc *disc = stage_at(stage, stage->discs);
-            const bool flat = seed % 3 == 0;
-            const struct stage_triangle t =
-                flat ? catalog_triangle(stage, 0) : (struct stage_triangle){{{0}}};
-            const bool round = seed % 3 == 2;
+            double bound = 0, scale;
             for (int k = 0; k < 3; k++)
-                anchor[k] = (double)(round      ? sphere->center[k]
-                                     : seed % 3 ? disc->center[k]
-                                                : t.v[0][k]);
-            for (int k = 0; k < 3; k++) {
-                const double off_k = (double)p.p[k] - anchor[k];
-                radius += off_k * off_k;
-                height += off_k * (double)p.ng[k];
                 bound += fabs((double)p.ng[k]) * (double)p.p_error[k];
-            }
-            height = round ? sqrt(radius) - (double)sphere->radius : height;
+            const double height = height_over(stage, (uint32_t)seed % 4, &p, &scale);
             /* ng itself is rounded: another unit along the distance from the anchor. */
-            off += !(fabs(height) <= bound + 0x1p-23 * sqrt(radius));
+            off += !(fabs(height) <= bound + 0x1p-23 * scale);
         }
         scenes_release(&s);
     }
@@ -346,6 +441,7 @@ int main(void)
     test_leave_triangles();
     test_leave_discs();
     test_leave_spheres();
+    test_leave_cylinders();
     test_two_shapes();
     test_floors();
     test_near_occluder();

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "tests/cylinder_view.h"
 #include "tests/dice.h"
 #include "tests/naive_path.h"
 #include "tests/scenes.h"
@@ -228,6 +229,77 @@ static void sphere_lights(void)
     }
 }
 
+/* --- Cylinder lights --- */
+
+/* View factor of an element that faces the axis of a cylinder of radius 1 from the distance h, over
+ * the first end: J. Howell's catalogue of configuration factors, B-31. An odd function of the
+ * length. */
+static double cylinder_factor(double h, double length)
+{
+    const double l = fabs(length), x = (1 + h) * (1 + h) + l * l, y = (1 - h) * (1 - h) + l * l;
+    const double k = sqrt((h - 1) / (h + 1));
+    const double f =
+        atan(l / sqrt(h * h - 1)) / (pi * h) +
+        l / pi * ((x - 2 * h) / (h * sqrt(x * y)) * atan(sqrt(x / y) * k) - atan(k) / h);
+    return length < 0 ? -f : f;
+}
+
+/* `form`: the closed form's irradiance; 0: there is none, quadrature stands alone. */
+static void cylinder_light(const char *what, const vec3 ends[2], float radius, vec3 normal,
+                           double form)
+{
+    struct scenes s;
+    char name[64];
+    receiver(&s, normal);
+    const double e = cylinder_view_make(ends, radius, vec3_unit(normal), 1000).irradiance;
+    snprintf(name, sizeof name, "cylinder light, %s", what);
+    if (form > 0)
+        near(e / form, 1, 5e-6, "%s: quadrature gives the closed form's %.6f", name, form);
+    scenes_cylinder(&s, scenes_diffuse(&s, rgb_gray(0)), ends[0], ends[1], radius)->emission =
+        rgb_gray(1);
+    is_true(&s, 2048, (form > 0 ? form : e) / pi, name);
+}
+
+static void cylinder_lights(void)
+{
+    static const struct {
+        const char *what;
+        float h, r, begin, end;
+    } lying[] = {{"overhead", 1, .4f, -1, 1},
+                 {"to one side", 1, .4f, .5f, 3},
+                 {"close by", 1, .9f, -.5f, 1},
+                 {"thin and long", 1, .01f, -100, 100}};
+    const vec3 up = vec3_make(0, 1, 0);
+    /* Along z, h above the origin: B-31's answers for two lengths from there, subtracted. */
+    for (size_t i = 0; i < countof(lying); i++) {
+        const float h = lying[i].h, begin = lying[i].begin, end = lying[i].end;
+        const double r = (double)lying[i].r;
+        const vec3 ends[2] = {vec3_make(0, h, begin), vec3_make(0, h, end)};
+        const double e = pi * (cylinder_factor((double)h / r, (double)end / r) -
+                               cylinder_factor((double)h / r, (double)begin / r));
+        cylinder_light(lying[i].what, ends, lying[i].r, up, e);
+    }
+    const vec3 sunk[2] = {vec3_make(1, .1f, -1), vec3_make(1, -.2f, 2)};
+    cylinder_light("partly below the horizon", sunk, .5f, up, 0);
+    const vec3 column[2] = {vec3_make(.5f, 0, .2f), vec3_make(.5f, 3, .2f)};
+    cylinder_light("a column on the floor", column, .1f, up, 0);
+    const vec3 beam[2] = {vec3_make(.3f, .5f, 0), vec3_make(1.2f, 4, 1)};
+    cylinder_light("seen along its axis", beam, .1f, vec3_make(.2f, 1, 0), 0);
+}
+
+/* A closed cylinder in a closed box, where all shine and reflect alike. */
+static void cylinder_in_furnace(void)
+{
+    struct scenes s;
+    furnace(&s, BODY_CUBE, .5f, 10000);
+    const vec3 from = vec3_make(-.5f, -.4f, -.5f), to = vec3_make(.1f, .4f, -.7f);
+    scenes_cylinder(&s, 0, from, to, .2f)->emission = rgb_gray(1);
+    scenes_disc(&s, 0, from, from - to, .2f)->emission = rgb_gray(1);
+    scenes_disc(&s, 0, to, to - from, .2f)->emission = rgb_gray(1);
+    scenes_look(&s, vec3_make(.2f, -.1f, .3f), vec3_make(-.2f, 0, -.6f), pi / 3);
+    is_true(&s, 4096, 2, "A-01 cube with a closed cylinder in it, albedo .5");
+}
+
 /* --- disc, sun, sky; A-09: point light --- */
 
 static void simple_lights(void)
@@ -319,6 +391,16 @@ static void glass(void)
     scenes_look(&s, center, vec3_make(1, 0, 0), 1);
     scenes_sphere(&s, m, center, 1);
     ok(worst_pixel(&s, 2.25) < 1e-5, "A-13 from the centre of a glass sphere: 2.25");
+    s = glass_in_sky(&m, 1.5f);
+    const vec3 end = vec3_make(.4f, .7f, .1f);
+    scenes_cylinder(&s, m, -end, end, .5f);
+    scenes_disc(&s, m, end, end, .5f);
+    scenes_disc(&s, m, -end, -end, .5f);
+    ok(worst_pixel(&s, 1) < 1e-5, "A-13 glass rod: every pixel is 1");
+    s = glass_in_sky(&m, 1.5f);
+    scenes_cylinder(&s, scenes_diffuse(&s, rgb_gray(1)), -vec3_make(.3f, .6f, 1),
+                    vec3_make(.3f, .6f, 1), .5f);
+    ok(worst_pixel(&s, 1) < 1e-5, "white tube, open at both ends: every pixel is 1");
 }
 
 static void slab(double degrees, double reflectance)
@@ -371,6 +453,8 @@ int main(void)
     triangle_lights();
     rectangle_lights();
     sphere_lights();
+    cylinder_lights();
+    cylinder_in_furnace();
     simple_lights();
     point_light_in_sphere();
     glass();

@@ -50,11 +50,11 @@ static void follows(const struct sphere_chi2 *t, const char *name)
 
 static void directions_follow(void)
 {
-    follows(&(struct sphere_chi2){cosine_sample, cosine_pdf_w, NULL, 0}, "cosine hemisphere");
+    follows(&(struct sphere_chi2){cosine_sample, cosine_pdf_w, NULL, 0, 0}, "cosine hemisphere");
     const float whole = 2, half = 1, some = 2 * 4 / 51.f;
-    follows(&(struct sphere_chi2){cap_sample, cap_pdf_w, &whole, 0}, "whole sphere");
-    follows(&(struct sphere_chi2){cap_sample, cap_pdf_w, &half, 0}, "half sphere");
-    follows(&(struct sphere_chi2){cap_sample, cap_pdf_w, &some, 0}, "cap");
+    follows(&(struct sphere_chi2){cap_sample, cap_pdf_w, &whole, 0, 0}, "whole sphere");
+    follows(&(struct sphere_chi2){cap_sample, cap_pdf_w, &half, 0, 0}, "half sphere");
+    follows(&(struct sphere_chi2){cap_sample, cap_pdf_w, &some, 0, 0}, "cap");
 }
 
 /* A far sphere's cone: its radius must keep its digits. */

@@ -160,6 +160,7 @@ static void test_no_rays(void)
     scenes_ball(&s, m, vec3_make(0, 0, 0), 1, 32, 0.2f, false);
     scenes_sphere(&s, m, vec3_make(0, 0, 0), 0.5f);
     scenes_disc(&s, m, vec3_make(0, 0, 0), vec3_make(0, 1, 0), 0.7f);
+    scenes_cylinder(&s, m, vec3_make(0, -.3f, 0), vec3_make(.1f, .3f, 0), 0.3f);
     const struct stage *stage = scenes_stage(&s);
     struct dice d = dice_make(16);
     static struct ray rays[RAYS], odd[RAYS];

@@ -29,6 +29,7 @@ enum bvh_ref_kind {
     BVH_BLOCK,    /* BVH_BLOCK + kind for the other primitives: index into their array */
     BVH_SPHERE,
     BVH_DISC,
+    BVH_CYLINDER,
     BVH_NOTHING = 15, /* the root of an empty tree */
 };
 

@@ -4,7 +4,7 @@
 
 #include "common/trace/box.h"
 #include "common/trace/box8.h"
-#include "common/trace/sphere.h"
+#include "common/trace/cylinder.h"
 #include "common/trace/tri.h"
 
 /* What does not change along the way of one ray. */
@@ -187,23 +187,37 @@ static bool instance_triangle_hit(const struct query *q, const struct space *spa
     return *t > 0 && settle_in_object(q, space, index, t);
 }
 
-static bool sphere_or_disc_hit(const struct query *q, struct stage_place place, float *t,
-                               uint32_t *prim)
+/* Of any other kind; *prim: its number. */
+static bool round_hit(const struct query *q, struct stage_place place, float *t, uint32_t *prim)
 {
     const struct ray ray = {q->tri.origin, q->tri.dir, q->t_max};
+    const struct stage *s = q->stage;
     vec3 lo, hi;
-    if (place.kind == STAGE_SPHERE) {
-        const struct stage_sphere *s =
-            (const struct stage_sphere *)stage_at(q->stage, q->stage->spheres) + place.index;
-        *prim = s->prim;
-        sphere_bounds(s->center, s->radius, &lo, &hi);
-        return sphere_hit(&ray, s, t) && settle_in_box(q, lo, hi, t);
+    switch ((enum stage_kind)place.kind) {
+    case STAGE_SPHERE: {
+        const struct stage_sphere *p =
+            (const struct stage_sphere *)stage_at(s, s->spheres) + place.index;
+        *prim = p->prim;
+        sphere_bounds(p->center, p->radius, &lo, &hi);
+        return sphere_hit(&ray, p, t) && settle_in_box(q, lo, hi, t);
     }
-    const struct stage_disc *s =
-        (const struct stage_disc *)stage_at(q->stage, q->stage->discs) + place.index;
-    *prim = s->prim;
-    sphere_bounds(s->center, s->radius, &lo, &hi);
-    return sphere_disc_hit(&ray, s, t) && settle_in_box(q, lo, hi, t);
+    case STAGE_DISC: {
+        const struct stage_disc *p = (const struct stage_disc *)stage_at(s, s->discs) + place.index;
+        *prim = p->prim;
+        sphere_bounds(p->center, p->radius, &lo, &hi);
+        return sphere_disc_hit(&ray, p, t) && settle_in_box(q, lo, hi, t);
+    }
+    case STAGE_CYLINDER: {
+        const struct stage_cylinder *p =
+            (const struct stage_cylinder *)stage_at(s, s->cylinders) + place.index;
+        *prim = p->prim;
+        cylinder_bounds(p, &lo, &hi);
+        return cylinder_hit(&ray, p, t) && settle_in_box(q, lo, hi, t);
+    }
+    case STAGE_TRIANGLE:
+        break;
+    }
+    __builtin_unreachable();
 }
 
 bool bvh_hit_prim(const struct stage *s, const struct ray *ray, struct ray_hit *hit)
@@ -214,7 +228,7 @@ bool bvh_hit_prim(const struct stage *s, const struct ray *ray, struct ray_hit *
         return false;
     hit->u = hit->v = 0;
     if (hit->place.kind != STAGE_TRIANGLE)
-        return sphere_or_disc_hit(&q, hit->place, &hit->t, &hit->prim);
+        return round_hit(&q, hit->place, &hit->t, &hit->prim);
     const struct stage_triangle tri = stage_triangle_at(s, hit->place.index, hit->instance);
     const struct tri_edges e = tri_edges_make(&q.tri, &tri);
     if (!tri_meets(e))
@@ -357,13 +371,13 @@ block_hit(const struct query *q, const struct space *space, const struct stage_b
     return lanes_hit(q, space, b, &lanes, any, instanced, best);
 }
 
-static bool round_hit(const struct query *q, uint32_t ref, bool any, struct best *best)
+static bool round_ref_hit(const struct query *q, uint32_t ref, bool any, struct best *best)
 {
     const struct stage_place place = {(bvh_ref_kind(ref) - BVH_BLOCK) & 7,
                                       bvh_ref_index(ref) & 0x1fffffff};
     float t;
     uint32_t prim;
-    if (!sphere_or_disc_hit(q, place, &t, &prim))
+    if (!round_hit(q, place, &t, &prim))
         return false;
     if (!any && is_nearer(best, t, prim))
         *best = (struct best){t, prim, {1, 0, 0}, place, STAGE_NONE};
@@ -461,7 +475,7 @@ static inline __attribute__((always_inline)) bool walk(const struct query *q, co
         } else if (bvh_ref_kind(ref) == BVH_INSTANCE) {
             if (instance_hit(q, space, bvh_ref_index(ref), any, best))
                 return true;
-        } else if (round_hit(q, ref, any, best)) {
+        } else if (round_ref_hit(q, ref, any, best)) {
             return true;
         }
     next:; /* boxes as near as the best hit are still opened: an equal hit may have a smaller number */

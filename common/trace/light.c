@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "common/trace/light.h"
 
+#include "common/trace/light_cylinder.h"
 #include "common/trace/warp.h"
 
 static const struct emitter *emitter_at(const struct stage *s, uint32_t emitter)
@@ -56,6 +57,18 @@ static struct surface point_on_disc(const struct stage *s, struct stage_id id, s
     const struct warp_frame f = warp_frame_make(vec3_load(disc->normal));
     const vec3 p = warp_to_world(&f, warp_disc(q)) * disc->radius;
     return surface_on_disc(s, id, vec3_load(disc->center) + p);
+}
+
+/* --- cylinders: nearly uniform in the solid angle they fill --- */
+
+static const struct stage_cylinder *cylinder_at(const struct stage *s, uint32_t index)
+{
+    return (const struct stage_cylinder *)stage_at(s, s->cylinders) + index;
+}
+
+static float cylinder_pdf_w(const struct light_cylinder *view, vec3 d, vec3 ng)
+{
+    return area_pdf_w(d, ng, light_cylinder_area(view, d, ng));
 }
 
 /* --- spheres: uniform in the cone they fill --- */
@@ -124,6 +137,16 @@ static bool sample_primitive(const struct stage *s, const struct surface *from,
         on = point_on_disc(s, id, q);
         pdf_w = area_pdf_w(on.p - from->p, on.ng, e->area);
         break;
+    case STAGE_CYLINDER: {
+        const struct light_cylinder view =
+            light_cylinder_make(cylinder_at(s, id.place.index), from->p);
+        if (!(view.sine > 0))
+            return false;
+        on = surface_on_cylinder(s, id, light_cylinder_along(&view, q.u),
+                                 light_cylinder_outward(&view, q.v));
+        pdf_w = cylinder_pdf_w(&view, on.p - from->p, on.ng);
+        break;
+    }
     case STAGE_SPHERE: {
         const struct stage_sphere *sphere = sphere_at(s, id.place.index);
         const vec3 to_center = vec3_load(sphere->center) - from->p;
@@ -132,8 +155,6 @@ static bool sample_primitive(const struct stage *s, const struct surface *from,
             on = point_on_sphere(s, id, sphere, to_center, q);
         break;
     }
-    case STAGE_KINDS:
-        __builtin_unreachable();
     }
     if (!(pdf_w > 0))
         return false;
@@ -184,12 +205,14 @@ float light_pdf_w(const struct stage *s, vec3 from, const struct surface *at)
     case STAGE_TRIANGLE:
     case STAGE_DISC:
         return pick * area_pdf_w(at->p - from, at->ng, e->area);
+    case STAGE_CYLINDER: {
+        const struct light_cylinder view = light_cylinder_make(cylinder_at(s, e->place.index), from);
+        return pick * cylinder_pdf_w(&view, at->p - from, at->ng);
+    }
     case STAGE_SPHERE: {
         const struct stage_sphere *sphere = sphere_at(s, e->place.index);
         return pick * sphere_pdf_w(sphere, vec3_load(sphere->center) - from);
     }
-    case STAGE_KINDS:
-        break;
     }
     __builtin_unreachable();
 }

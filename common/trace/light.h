@@ -1,7 +1,8 @@
 /* light.h - next-event estimation: choosing a direction to a light, and the density of that choice.
  *
  * One emitter is picked by the stage's pick_cdf, then a point on it: triangles and discs uniformly
- * by area, spheres uniformly by the solid angle they fill, point and distant lights as they are.
+ * by area, spheres uniformly by the solid angle they fill, cylinders nearly so (light_cylinder.h),
+ * point and distant lights as they are.
  * Emission is one-sided: only the front of a surface shines.
  *
  * The sky is no emitter here. It has one radiance everywhere, so sampling it would be sampling the

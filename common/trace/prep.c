@@ -128,6 +128,7 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->instances, p->instances, sizeof *p->instances},
         {&head->spheres, p->spheres, sizeof *p->spheres},
         {&head->discs, p->discs, sizeof *p->discs},
+        {&head->cylinders, p->cylinders, sizeof *p->cylinders},
         {&head->materials, p->scene->materials, sizeof *p->scene->materials},
         {&head->emitters, p->emitters, sizeof *p->emitters},
         {&head->pick_cdf, p->pick_cdf, sizeof *p->pick_cdf},

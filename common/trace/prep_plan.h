@@ -25,6 +25,7 @@ struct prep_plan {
     struct stage_instance *instances;
     struct stage_sphere *spheres;
     struct stage_disc *discs;
+    struct stage_cylinder *cylinders;
     struct emitter *emitters;
     double *power; /* of each emitter */
     float *pick_cdf;

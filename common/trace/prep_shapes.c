@@ -4,7 +4,7 @@
 #include <float.h>
 
 #include "common/trace/box8.h"
-#include "common/trace/sphere.h"
+#include "common/trace/cylinder.h"
 #include "common/trace/tri.h"
 
 #define PI 3.14159265358979323846
@@ -63,7 +63,7 @@ struct counts {
     uint64_t prims;                /* numbered */
     uint64_t triangles;            /* of the world's tree */
     uint64_t stored;               /* triangles of all trees */
-    uint64_t others;               /* instances, spheres, discs */
+    uint64_t others;               /* instances, and other primitives */
 };
 
 static struct counts count(const struct prep_plan *p)
@@ -73,7 +73,7 @@ static struct counts count(const struct prep_plan *p)
         const struct shape *s = &p->scene->shapes[i];
         const uint64_t prims = prims_of(p->scene, s);
         n.prims += prims;
-        if (tree_of(p, s) || s->kind == SHAPE_SPHERE || s->kind == SHAPE_DISC)
+        if (tree_of(p, s) || (s->kind != SHAPE_QUAD && s->kind != SHAPE_MESH))
             n.others++;
         else
             n.triangles += prims;
@@ -107,6 +107,7 @@ bool prep_plan_make(struct prep_plan *p, const struct scene *scene, struct arena
     p->instances = arena_new(scratch, struct stage_instance, n.others);
     p->spheres = arena_new(scratch, struct stage_sphere, n.others);
     p->discs = arena_new(scratch, struct stage_disc, n.others);
+    p->cylinders = arena_new(scratch, struct stage_cylinder, n.others);
     p->emitters = arena_new(scratch, struct emitter, emitters);
     p->power = arena_new(scratch, double, emitters);
     p->pick_cdf = arena_new(scratch, float, emitters + 1);
@@ -277,6 +278,21 @@ static void add_disc(struct prep_plan *p, uint32_t shape, const struct shape *s)
     add_item(&p->trees[0], BVH_DISC, index, lo, hi);
 }
 
+/* Its front is the outside, which a mirror image keeps. */
+static void add_cylinder(struct prep_plan *p, uint32_t shape, const struct shape *s)
+{
+    const uint64_t index = p->head.cylinders.count++;
+    struct stage_cylinder *to = &p->cylinders[index];
+    vec3_store(to->from, xform_point(&s->to_world, vec3_load(s->cylinder.from)));
+    vec3_store(to->axis, xform_vector(&s->to_world, vec3_load(s->cylinder.axis)));
+    to->radius = s->cylinder.radius * scale_of(&s->to_world);
+    to->prim = add_prim(p, shape, (struct stage_place){STAGE_CYLINDER, index & 0x1fffffff},
+                        cylinder_area(to));
+    vec3 lo, hi;
+    cylinder_bounds(to, &lo, &hi);
+    add_item(&p->trees[0], BVH_CYLINDER, index, lo, hi);
+}
+
 /* --- shared meshes --- */
 
 static void plan_mesh(struct prep_plan *p, const struct mesh *mesh, struct prep_tree *tree,
@@ -383,6 +399,9 @@ static void add_shape(struct prep_plan *p, uint32_t i)
         break;
     case SHAPE_DISC:
         add_disc(p, i, s);
+        break;
+    case SHAPE_CYLINDER:
+        add_cylinder(p, i, s);
         break;
     case SHAPE_QUAD:
         add_quad(p, i, s);

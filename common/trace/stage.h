@@ -26,12 +26,12 @@ struct stage_span { /* an array inside the block */
     uint64_t count;  /* elements */
 };
 
-enum stage_kind { STAGE_TRIANGLE, STAGE_SPHERE, STAGE_DISC, STAGE_KINDS };
+enum stage_kind { STAGE_TRIANGLE, STAGE_SPHERE, STAGE_DISC, STAGE_CYLINDER };
 
 /* Where a primitive is stored. */
 struct stage_place {
     uint32_t kind : 3;   /* enum stage_kind */
-    uint32_t index : 29; /* into spheres or discs; a triangle's: 8 * block + lane */
+    uint32_t index : 29; /* into the array of its kind; a triangle's: 8 * block + lane */
 };
 
 struct stage_id { /* a primitive: its number, and the way to it */
@@ -58,6 +58,12 @@ struct stage_sphere {
 struct stage_disc {
     float center[3], radius;
     float normal[3]; /* unit */
+    uint32_t prim;
+};
+
+struct stage_cylinder {
+    float from[3], radius;
+    float axis[3]; /* from one end to the other */
     uint32_t prim;
 };
 
@@ -127,6 +133,7 @@ struct stage {
     struct stage_span instances; /* struct stage_instance */
     struct stage_span spheres;   /* struct stage_sphere */
     struct stage_span discs;     /* struct stage_disc */
+    struct stage_span cylinders; /* struct stage_cylinder */
     struct stage_span materials; /* struct material, names NULL */
     struct stage_span emitters;  /* struct emitter */
     struct stage_span pick_cdf;  /* float: cumulative pick, one more than emitters */

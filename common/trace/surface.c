@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "common/trace/surface.h"
 
-#include "common/trace/round.h"
+#include "common/trace/cylinder.h"
 
 static vec3 absolute(vec3 v)
 {
@@ -80,6 +80,57 @@ struct surface surface_on_disc(const struct stage *s, struct stage_id id, vec3 p
     return make(s, id, p, round_gamma(2) * absolute(p), vec3_load(disc->normal));
 }
 
+static const struct stage_cylinder *cylinder_at(const struct stage *s, uint32_t index)
+{
+    return (const struct stage_cylinder *)stage_at(s, s->cylinders) + index;
+}
+
+/* out: from any point of the axis; what of it lies along the axis is taken away. In double; the sum
+ * is rounded once to float, and before that each of its terms by a few parts in 2^53, which shows
+ * where they cancel. */
+static struct surface on_cylinder(const struct stage *s, struct stage_id id, double along,
+                                  const double out[3])
+{
+    const struct stage_cylinder *c = cylinder_at(s, id.place.index);
+    double a[3], n[3];
+    cylinder_axis(c, a);
+    const double up = sphere_dot(out, a) / sphere_dot(a, a);
+    for (int k = 0; k < 3; k++)
+        n[k] = out[k] - up * a[k];
+    const double length = __builtin_sqrt(sphere_dot(n, n));
+    vec3 p = {0}, ng = {0};
+    for (int k = 0; k < 3; k++) {
+        n[k] /= length;
+        p[k] = (float)((double)c->from[k] + along * a[k] + (double)c->radius * n[k]);
+        ng[k] = (float)n[k];
+    }
+    const vec3 terms = absolute(vec3_load(c->from)) + absolute(vec3_load(c->axis)) + c->radius;
+    return make(s, id, p, round_gamma(2) * absolute(p) + 0x1p-49f * terms, ng);
+}
+
+struct surface surface_on_cylinder(const struct stage *s, struct stage_id id, float along,
+                                   vec3 outward)
+{
+    const double out[3] = {(double)outward[0], (double)outward[1], (double)outward[2]};
+    return on_cylinder(s, id, (double)along, out);
+}
+
+/* Met anew in double: far away, the rounding of the hit's t is more than a thin cylinder's radius,
+ * and the normal would be that of some other point. The root is the one the hit was rounded from. */
+static struct surface met_cylinder(const struct stage *s, const struct ray *ray,
+                                   const struct ray_hit *hit)
+{
+    const struct stage_cylinder *c = cylinder_at(s, hit->place.index);
+    double f[3], d[3], a[3], t = (double)hit->t;
+    cylinder_root(ray, c, &t);
+    sphere_relative(ray, c->from, f, d);
+    cylinder_axis(c, a);
+    for (int k = 0; k < 3; k++)
+        f[k] += t * d[k];
+    const struct stage_id id = {hit->prim, hit->place, hit->instance};
+    return on_cylinder(s, id, sphere_dot(f, a) / sphere_dot(a, a), f);
+}
+
 struct surface surface_at(const struct stage *s, const struct ray *ray, const struct ray_hit *hit)
 {
     const struct stage_id id = {hit->prim, hit->place, hit->instance};
@@ -94,8 +145,8 @@ struct surface surface_at(const struct stage *s, const struct ray *ray, const st
     }
     case STAGE_DISC:
         return surface_on_disc(s, id, p);
-    case STAGE_KINDS:
-        break;
+    case STAGE_CYLINDER:
+        return met_cylinder(s, ray, hit);
     }
     __builtin_unreachable();
 }

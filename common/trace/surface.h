@@ -21,12 +21,16 @@ struct surface {
     uint32_t emitter; /* or STAGE_NONE */
 };
 
+/* The very ray that was traced: what is met is computed from it anew where t is not exact enough. */
 struct surface surface_at(const struct stage *, const struct ray *, const struct ray_hit *);
 
 /* A point chosen on a primitive by light sampling, with the same guarantees. */
 struct surface surface_on_triangle(const struct stage *, struct stage_id, float u, float v);
 struct surface surface_on_sphere(const struct stage *, struct stage_id, vec3 outward_unit);
 struct surface surface_on_disc(const struct stage *, struct stage_id, vec3 p);
+/* along: 0 at the first end, 1 at the other; outward: at right angles to the axis or nearly so. */
+struct surface surface_on_cylinder(const struct stage *, struct stage_id, float along,
+                                   vec3 outward);
 
 /* The ray from s along dir, t_max infinite. */
 struct ray surface_leave(const struct surface *s, vec3 dir);
