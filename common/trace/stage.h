@@ -80,6 +80,7 @@ struct stage {
     uint32_t dropped_nonfinite;  /* triangles with a vertex that is not finite */
     uint32_t bvh_depth;
 
+    /* Only spans from here to the end: stage_check knows them by their place. */
     struct stage_span prims;     /* struct stage_prim */
     struct stage_span triangles; /* struct stage_triangle */
     struct stage_span spheres;   /* struct stage_sphere */
@@ -95,5 +96,10 @@ static inline const void *stage_at(const struct stage *s, struct stage_span span
 {
     return (const unsigned char *)s + span.offset;
 }
+
+/* Whether the bytes, 64-aligned and from anywhere, are a block of this build with every array inside
+ * it. What stands in the arrays is not looked at: who keeps a block says how it is held
+ * against damage. */
+bool stage_check(const void *block, size_t bytes, struct err *) MUST_CHECK;
 
 #endif
