@@ -38,6 +38,7 @@ LIBS_COMMON := -ljansson -lz -lcrypto -lm
 LIBS_HTTP   := -lcurl
 LIBS_IMAGE  := -lOpenEXRCore -lpng
 LIBS_SERVER := -lmicrohttpd -lsqlite3
+LIBS_WORKER := -lxxhash
 
 obj    = $(patsubst %.c,$(O)/%.o,$(1))
 COMMON := $(wildcard common/*.c)
@@ -71,14 +72,14 @@ $(B)/smaltid: $(O)/server/main.o $(O)/libserver.a $(O)/libcommon.a
 	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_SERVER) $(LIBS_IMAGE) $(LIBS_COMMON)
 $(B)/smalti-worker: $(O)/worker/main.o $(O)/libworker.a $(O)/libtrace.a $(O)/libcommon.a
 	@mkdir -p $(@D)
-	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_HTTP) $(LIBS_COMMON)
+	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_WORKER) $(LIBS_HTTP) $(LIBS_COMMON)
 $(B)/smalti: $(O)/client/main.o $(O)/libclient.a $(O)/libtrace.a $(O)/libcommon.a
 	@mkdir -p $(@D)
 	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_HTTP) $(LIBS_IMAGE) $(LIBS_COMMON)
 
 # Tests, tools and benchmarks may use every part of every program but its main.c.
 PARTS = $(O)/libtest.a $(O)/libserver.a $(O)/libworker.a $(O)/libclient.a $(O)/libtrace.a $(O)/libcommon.a
-LIBS_ALL = $(LIBS_SERVER) $(LIBS_HTTP) $(LIBS_IMAGE) $(LIBS_COMMON)
+LIBS_ALL = $(LIBS_SERVER) $(LIBS_WORKER) $(LIBS_HTTP) $(LIBS_IMAGE) $(LIBS_COMMON)
 $(B)/test_%: $(O)/tests/test_%.o $(PARTS)
 	@mkdir -p $(@D)
 	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_ALL)
@@ -93,6 +94,10 @@ $(B)/fuzz_%: $(O)/tests/fuzz_%.o $(PARTS)
 	$(CC) $(ALL_LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(LIBS_ALL)
 
 $(O)/common/trace/%.o: ALL_CFLAGS += -march=x86-64-v3
+# What a prepared scene depends on; a change of it gives its cache files other names (worker/stagefile.c).
+RECIPE := $(wildcard common/*.[ch] common/trace/*.[ch])
+$(O)/worker/stagefile.o: ALL_CFLAGS += -DSTAGEFILE_RECIPE='"$(shell cat $(sort $(RECIPE)) | sha256sum | cut -c1-64)"'
+$(O)/worker/stagefile.o: $(RECIPE)
 $(O)/server/static.o: $(wildcard web/*) docs/scene.schema.json
 $(O)/%.o: %.c Makefile
 	@mkdir -p $(@D)
