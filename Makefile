@@ -40,6 +40,7 @@ LIBS_COMMON := -ljansson -lz -lcrypto -lm
 LIBS_HTTP   := -lcurl
 LIBS_IMAGE  := -lOpenEXRCore -lpng
 LIBS_SERVER := -lmicrohttpd -lsqlite3
+LIBS_WORKER := -lxxhash
 # Only bench_rays has Embree, and only where its header is; else it says so.
 EMBREE      := $(wildcard /usr/include/embree3/rtcore.h)
 BENCH_PARTS := $(filter-out bench/bench_% bench/embree%,$(wildcard bench/*.c)) bench/embree$(if $(EMBREE),,_none).c
@@ -80,7 +81,7 @@ $(B)/smaltid: $(O)/server/main.o $(O)/libserver.a $(O)/libcommon.a
 	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_SERVER) $(LIBS_IMAGE) $(LIBS_COMMON)
 $(B)/smalti-worker: $(O)/worker/main.o $(O)/libworker.a $(O)/libtrace.a $(O)/libcommon.a
 	@mkdir -p $(@D)
-	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_HTTP) $(LIBS_COMMON)
+	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_WORKER) $(LIBS_HTTP) $(LIBS_COMMON)
 $(B)/smalti: $(O)/client/main.o $(O)/libclient.a $(O)/libtrace.a $(O)/libcommon.a
 	@mkdir -p $(@D)
 	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_HTTP) $(LIBS_IMAGE) $(LIBS_COMMON)
@@ -88,7 +89,7 @@ $(B)/smalti: $(O)/client/main.o $(O)/libclient.a $(O)/libtrace.a $(O)/libcommon.
 # Tests, tools and benchmarks may use every part of every program but its main.c.
 PARTS = $(O)/libaccel.a $(O)/libbench.a $(O)/libtest.a $(O)/libserver.a $(O)/libworker.a $(O)/libclient.a \
 	$(O)/libtrace.a $(O)/libcommon.a
-LIBS_ALL = $(LIBS_SERVER) $(LIBS_HTTP) $(LIBS_IMAGE) $(LIBS_COMMON)
+LIBS_ALL = $(LIBS_SERVER) $(LIBS_WORKER) $(LIBS_HTTP) $(LIBS_IMAGE) $(LIBS_COMMON)
 $(B)/test_%: $(O)/tests/test_%.o $(PARTS)
 	@mkdir -p $(@D)
 	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_ALL)
@@ -107,6 +108,10 @@ $(B)/fuzz_%: $(O)/tests/fuzz_%.o $(PARTS)
 	$(CC) $(ALL_LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(LIBS_ALL)
 
 $(O)/common/trace/%.o $(O)/tests/%.o $(O)/bench/%.o: ALL_CFLAGS += -march=x86-64-v3
+# What a prepared scene depends on; a change of it gives its cache files other names (worker/stagefile.c).
+RECIPE := $(wildcard common/*.[ch] common/trace/*.[ch])
+$(O)/worker/stagefile.o: ALL_CFLAGS += -DSTAGEFILE_RECIPE='"$(shell cat $(sort $(RECIPE)) | sha256sum | cut -c1-64)"'
+$(O)/worker/stagefile.o: $(RECIPE)
 $(O)/server/static.o: $(wildcard web/*) docs/scene.schema.json
 $(O)/%.o: %.c Makefile
 	@mkdir -p $(@D)

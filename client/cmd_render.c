@@ -23,6 +23,8 @@ static const char usage[] =
     "  --workers N         worker processes (1)\n"
     "  --threads N         threads of each (the cores there are, divided among the workers)\n"
     "  --tile N            side of a tile in pixels, 8 to 256 (64)\n"
+    "  --cache DIR         keep meshes and prepared scenes there: the same scene starts at once\n"
+    "                      when it comes again (none is kept)\n"
     "  --quiet             no progress\n"
     "  --json              at the end one JSON object on stdout: the job, and where its image is\n"
     "\n"
@@ -70,6 +72,7 @@ static bool parse(struct render *r, int argc, char *const *args, int *status)
         {"workers", FLAGS_COUNT, &plan->workers, 1, LOCAL_MAX_WORKERS, 0},
         {"threads", FLAGS_COUNT, &plan->threads, 1, 1024, 0},
         {"tile", FLAGS_COUNT, &plan->tile_px, TILE_MIN_PX, TILE_MAX_PX, 0},
+        {"cache", FLAGS_TEXT, &plan->cache, 0, 0, 0},
         {"quiet", FLAGS_SWITCH, &r->quiet, 0, 0, 'q'},
         {"json", FLAGS_SWITCH, &r->json, 0, 0, 0},
     };

@@ -152,13 +152,15 @@ static bool start_coordinator(struct local *l, uint32_t tile_px, struct err *err
     return true;
 }
 
-static bool start_worker(struct local *l, uint32_t i, uint32_t threads, struct err *err)
+static bool start_worker(struct local *l, uint32_t i, const struct local_plan *plan,
+                         struct err *err)
 {
-    char cache[320], log[320], count[16], name[32];
-    snprintf(cache, sizeof cache, "%s/cache", l->dir);
+    char private[320], log[320], count[16], name[32];
+    snprintf(private, sizeof private, "%s/cache", l->dir);
     snprintf(log, sizeof log, "%s/worker-%u.log", l->dir, i + 1);
-    snprintf(count, sizeof count, "%u", threads);
+    snprintf(count, sizeof count, "%u", plan->threads);
     snprintf(name, sizeof name, "worker-%u", i + 1);
+    const char *cache = plan->cache ? plan->cache : private;
     const char *const args[] = {"--server", l->url,   "--threads", count, "--cache",
                                 cache,      "--name", name,        NULL};
     return start_program("smalti-worker", args, log, &l->workers[i], err);
@@ -171,7 +173,7 @@ bool local_start(struct local *l, const struct local_plan *plan, struct err *err
         return false;
     l->worker_count = min_u32(plan->workers, LOCAL_MAX_WORKERS);
     for (uint32_t i = 0; i < l->worker_count; i++)
-        if (!start_worker(l, i, plan->threads, err))
+        if (!start_worker(l, i, plan, err))
             return false;
     return true;
 }

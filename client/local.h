@@ -17,6 +17,7 @@ enum { LOCAL_MAX_WORKERS = 256 };
 struct local_plan {
     uint32_t workers, threads; /* processes, and threads of each; both at least 1 */
     uint32_t tile_px;          /* 0: the coordinator's default */
+    const char *cache;         /* of the workers, kept; NULL: one that goes with the state */
 };
 
 struct local {

@@ -61,12 +61,13 @@ check_libraries() {
     library zlib 'zlib' 'common/wire\.c'
     library libcrypto 'openssl/' 'common/hash\.c'
     library OpenEXR '(openexr|OpenEXR/)' '(server/image_exr|client/exr_[a-z]+)\.c'
+    library xxHash 'xxhash' 'worker/stagefile\.c'
     library libpng 'png\.h' '(server/image_png|client/png_[a-z]+)\.c'
     library jansson 'jansson' \
         '(common/(scene_json|http_problem)|server/(api|body|feed|grant|problem|status)[a-z_]*|worker/link|client/[a-z_]+)\.c'
     forbid 'Embree is included only by bench/embree.c' '.*' '# *include *<embree' '^bench/embree\.c:'
     forbid 'no header may include an outside library' '[^:]*\.h' \
-        '# *include *<(microhttpd|curl/|sqlite3|zlib|openssl/|openexr|OpenEXR/|png\.h|jansson)'
+        '# *include *<(microhttpd|curl/|sqlite3|zlib|openssl/|openexr|OpenEXR/|png\.h|jansson|xxhash)'
 }
 
 check_purity() {
@@ -153,6 +154,7 @@ server/main.c|#include <jansson.h>
 common/b.c|#include <curl/curl.h>
 bench/a.c|#include <embree3/rtcore.h>
 common/b.h|#include <zlib.h>
+worker/a.c|#include <xxhash.h>
 common/trace/a.c|float a(float x) { return sinf(x); }
 common/trace/a.c|float a(float x) { return fminf(x, 1.0f); }
 common/trace/a.c|float a(float x) { return sqrtf(x); }

@@ -63,6 +63,15 @@ def renders(f, t):
     same = f.run("render", small, "-o", out + "2", "--spp", str(told["target"]["spp"]), "--quiet", env=env)
     t.ok(done.returncode == same.returncode == 0 and f.run("diff", out, out + "2").returncode == 0,
          "render --seconds: as many samples again give the same image", told)
+    kept = os.path.join(f.dir, "kept")
+    digests, names = [], []
+    for _ in range(2):
+        f.run("render", small, "-o", out, "--quiet", "--cache", kept, env=env)
+        digests.append(f.run("digest", out).stdout.strip())
+        names.append({name: os.stat(os.path.join(kept, name)).st_ino for name in os.listdir(kept)})
+    t.ok(names[0] == names[1] and any(name.endswith(".stage") for name in names[0]),
+         "render --cache: the prepared scene is kept, and not made again", names)
+    t.equal(digests, [reference, reference], "render --cache: the same image")
     t.equal(f.run("render", os.path.join(f.dir, "none.json"), env=env).returncode, 3, "render: no scene, status 3")
     t.equal(f.run("render", small, "-o", "/nonexistent/x.exr", env=env).returncode, 5,
             "render: nowhere to write, status 5")

@@ -39,6 +39,9 @@ def caches_by_hash(t):
         t.equal(worker.stop(), 0, "the worker stops")
         with open(os.path.join(own, files[0]), "wb") as file:
             file.write(b"damaged")
+        for name in os.listdir(own):
+            if name.endswith(".stage"):  # else the scene is there, prepared, and the document not needed
+                os.unlink(os.path.join(own, name))
         worker = f.start_worker("--threads", "1", "--cache", own)
         t.equal(f.done(f.submit(SMALL))["image"]["digest"], digest, "a damaged file in it changes no pixel")
         t.ok("cache_damaged" in worker.log(), "it is found out")

@@ -9,7 +9,7 @@
 struct args {
     const char *server;   /* http://HOST:PORT */
     uint32_t threads;     /* that render */
-    const char *cache;    /* directory of assets */
+    const char *cache;    /* directory of assets and prepared scenes */
     uint64_t cache_bytes; /* its bound */
     uint64_t stage_bytes; /* prepared scenes kept in memory beside those in use */
     const char *name;     /* 1 to 64 of A-Z a-z 0-9 . _ - ; unique to the process */

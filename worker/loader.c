@@ -17,7 +17,8 @@
 enum {
     RETRY_FIRST_MS = 100,
     RETRY_MOST_MS = 5000,
-    NAP_MS = 50, /* how soon a stop is noticed between tries */
+    NAP_MS = 50,         /* how soon a stop is noticed between tries */
+    PATIENCE_MS = 30000, /* with a worker that prepares our scene and shows no life */
 };
 
 #define ASSET_MAX_BYTES ((size_t)2 << 30)
@@ -128,24 +129,91 @@ static bool load_meshes(struct loader *l, struct load *load, struct workshop *w,
     return true;
 }
 
-static void run_load(struct loader *l, struct load *load)
+/* Where the time went, and how the scene came to be here. */
+struct story {
+    const char *how; /* "mapped": it was in the cache; "prepared": now it is; "private" */
+    int64_t wait_ms, load_ms, prepare_ms, share_ms;
+};
+
+static int64_t lap(int64_t *last_ms)
+{
+    const int64_t now_ms = clock_ms(), lap_ms = now_ms - *last_ms;
+    *last_ms = now_ms;
+    return lap_ms;
+}
+
+static bool prepare(struct loader *l, struct load *load, struct story *story, int64_t *last_ms)
 {
     struct workshop w = {0};
     struct scene scene;
-    const int64_t begin_ms = clock_ms();
+    if (atomic_load(&l->stopped)) {
+        err_set(&load->err, ERR_IO, "the worker stops");
+        return fault(load, "worker");
+    }
     bool good = load_document(l, load, &w, &scene) && load_meshes(l, load, &w, &scene);
     buf_release(&w.bytes);
-    const int64_t loaded_ms = clock_ms();
+    story->load_ms = lap(last_ms);
     if (good && !prep_stage(&scene, NULL, &load->arena, &w.scratch, &load->stage, &load->err))
         good = fault(load, "input");
-    load->done = good;
     arena_release(&w.scene);
     arena_release(&w.scratch);
-    if (good)
-        log_info("scene_ready document=%.12s prims=%llu bytes=%llu load_ms=%lld prepare_ms=%lld",
-                 load->document, (unsigned long long)load->stage->prim_count,
-                 (unsigned long long)load->stage->bytes, (long long)(loaded_ms - begin_ms),
-                 (long long)(clock_ms() - loaded_ms));
+    story->prepare_ms = lap(last_ms);
+    return good;
+}
+
+/* From our own memory into the file that all map, we too. */
+static void share(struct load *load, struct stagefile_claim *claim, struct story *story)
+{
+    struct err err;
+    if (!stagefile_publish(claim, load->stage, &load->file, &err)) {
+        log_warn("scene_not_shared document=%.12s reason=\"%s\"", load->document, err.text);
+        return;
+    }
+    load->stage = load->file.stage;
+    arena_release(&load->arena);
+    story->how = "prepared";
+}
+
+static void run_load(struct loader *l, struct load *load)
+{
+    const struct stagefile_ask ask = {l->cache, load->document, &l->stopped, PATIENCE_MS};
+    struct stagefile_claim claim;
+    struct story story = {.how = "private"};
+    const int64_t begin_ms = clock_ms();
+    int64_t last_ms = begin_ms;
+    const enum stagefile_answer answer = stagefile_get(&ask, &load->file, &claim);
+    story.wait_ms = lap(&last_ms);
+    if (answer == STAGEFILE_MAPPED) {
+        load->stage = load->file.stage;
+        load->done = true;
+        story.how = "mapped";
+    } else {
+        load->done = prepare(l, load, &story, &last_ms);
+        if (answer == STAGEFILE_CLAIMED && load->done)
+            share(load, &claim, &story);
+        else if (answer == STAGEFILE_CLAIMED)
+            stagefile_unclaim(&claim);
+        story.share_ms = lap(&last_ms);
+    }
+    if (load->done)
+        log_info("scene_ready document=%.12s how=%s prims=%llu bytes=%llu ms=%lld wait_ms=%lld "
+                 "load_ms=%lld prepare_ms=%lld share_ms=%lld",
+                 load->document, story.how, (unsigned long long)load->stage->prim_count,
+                 (unsigned long long)load->stage->bytes, (long long)(last_ms - begin_ms),
+                 (long long)story.wait_ms, (long long)story.load_ms, (long long)story.prepare_ms,
+                 (long long)story.share_ms);
+}
+
+uint64_t loader_bytes(const struct load *load)
+{
+    return load->file.map_bytes + load->arena.used_bytes;
+}
+
+void loader_release(struct load *load)
+{
+    stagefile_close(&load->file);
+    arena_release(&load->arena);
+    load->stage = NULL;
 }
 
 static void *run(void *user)

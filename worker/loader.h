@@ -1,5 +1,5 @@
-/* loader.h - a thread that turns a document's hash into a stage: fetch, parse, read the meshes,
- * prepare.
+/* loader.h - a thread that turns a document's hash into a stage: maps what the cache has, else
+ * fetches, parses, reads the meshes, prepares, and leaves it in the cache for all.
  *
  * One after the other, so a scene is prepared once however many passes wait for it, and renewals
  * go on meanwhile on the main thread. Assets come from the disk cache or the coordinator; while
@@ -12,16 +12,21 @@
 #include "worker/args.h"
 #include "worker/cache.h"
 #include "worker/mailbox.h"
+#include "worker/stagefile.h"
 
 /* Goes in by loader_submit and comes back through the mailbox given to loader_new. */
 struct load {
     char document[HASH_HEX];
-    struct arena arena; /* the stage's memory; released by whoever has the load */
-    const struct stage *stage;
-    bool done;              /* the stage is there; else: */
+    const struct stage *stage; /* in one of the two: */
+    struct stagefile file;     /* shared by every process that has it, or */
+    struct arena arena;        /* ours alone */
+    bool done;                 /* the stage is there; else: */
     const char *fault_kind; /* "input" the scene cannot be prepared anywhere, "worker" not here */
     struct err err;
 };
+
+uint64_t loader_bytes(const struct load *); /* that the stage takes, shared ones included */
+void loader_release(struct load *);         /* the stage, by whoever has the load */
 
 struct loader; /* opaque, heap */
 

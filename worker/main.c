@@ -14,6 +14,7 @@ static int open_signals(void)
     sigaddset(&set, SIGTERM);
     sigaddset(&set, SIGINT);
     signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN); /* a limit on file sizes is a full disk: write and the like say so */
     return pthread_sigmask(SIG_BLOCK, &set, NULL) ? -1
                                                   : signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC);
 }

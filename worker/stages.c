@@ -9,7 +9,7 @@
 
 static uint64_t bytes_of(const struct stages_entry *e)
 {
-    return e->loading ? 0 : e->load->arena.used_bytes;
+    return e->loading ? 0 : loader_bytes(e->load);
 }
 
 static void remove_entry(struct stages *s, struct stages_entry *e)
@@ -18,7 +18,7 @@ static void remove_entry(struct stages *s, struct stages_entry *e)
     while (*at != e)
         at = &(*at)->next;
     *at = e->next;
-    arena_release(&e->load->arena);
+    loader_release(e->load);
     free(e->load);
     free(e);
 }
@@ -35,14 +35,15 @@ void stages_release(struct stages *s)
 static void evict(struct stages *s)
 {
     for (;;) {
-        uint64_t bytes = 0;
+        uint64_t bytes = 0, count = 0;
         struct stages_entry *oldest = NULL;
         for (struct stages_entry *e = s->entries; e; e = e->next) {
             bytes += bytes_of(e);
+            count++;
             if (!e->holders && !e->loading && (!oldest || e->used < oldest->used))
                 oldest = e;
         }
-        if (bytes <= s->most_bytes || !oldest)
+        if ((bytes <= s->most_bytes && count <= STAGES_MOST) || !oldest)
             return;
         log_debug("scene_evict document=%.12s bytes=%llu", oldest->load->document,
                   (unsigned long long)bytes_of(oldest));

@@ -1,5 +1,5 @@
 /* stages.h - prepared scenes in memory, by document: those in use, and the last used as far as
- * there is room.
+ * there is room. One that is mapped counts as one of our own: it may be, if nobody else has it.
  *
  * A scene that is not there is given to the loader once, whoever asks meanwhile. One that could not
  * be prepared is forgotten when its last holder lets go, so a later lease tries again.
@@ -9,6 +9,9 @@
 #define WORKER_STAGES_H
 
 #include "worker/loader.h"
+
+/* However small they are: each may take a descriptor and a mapping. */
+enum { STAGES_MOST = 256 };
 
 struct stages_entry {
     struct load *load; /* the loader's while `loading`, then the entry's */

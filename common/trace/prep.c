@@ -7,8 +7,6 @@
 #include "common/trace/fmath.h"
 #include "common/trace/prep_plan.h"
 
-enum { ALIGN = 64 };
-
 #define PI 3.14159265358979323846
 
 /* --- lights --- */
@@ -133,13 +131,13 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->emitters, p->emitters, sizeof *p->emitters},
         {&head->pick_cdf, p->pick_cdf, sizeof *p->pick_cdf},
     };
-    uint64_t bytes = (sizeof *head + ALIGN - 1) / ALIGN * ALIGN;
+    uint64_t bytes = (sizeof *head + STAGE_ALIGN - 1) / STAGE_ALIGN * STAGE_ALIGN;
     for (size_t i = 0; i < countof(pieces); i++) {
         pieces[i].span->offset = bytes;
-        bytes += (pieces[i].span->count * pieces[i].size + ALIGN - 1) / ALIGN * ALIGN;
+        bytes += (pieces[i].span->count * pieces[i].size + STAGE_ALIGN - 1) / STAGE_ALIGN * STAGE_ALIGN;
     }
     head->bytes = bytes;
-    unsigned char *block = arena_alloc(arena, bytes, 1, ALIGN);
+    unsigned char *block = arena_alloc(arena, bytes, 1, STAGE_ALIGN);
     memcpy(block, head, sizeof *head);
     for (size_t i = 0; i < countof(pieces); i++)
         if (pieces[i].span->count && pieces[i].data)
@@ -204,7 +202,7 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
     struct prep_plan p;
     if (!prep_plan_make(&p, scene, scratch, err))
         return false;
-    memcpy(p.head.magic, "SMSTAGE", sizeof p.head.magic);
+    memcpy(p.head.magic, STAGE_MAGIC, sizeof p.head.magic);
     p.head.version = STAGE_VERSION;
     p.head.struct_bytes = sizeof p.head;
     p.head.film = scene->film;

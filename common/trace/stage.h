@@ -19,7 +19,9 @@
 
 #define STAGE_NONE UINT32_MAX
 
-enum { STAGE_VERSION = 2, STAGE_LANES = 8 };
+#define STAGE_MAGIC "SMSTAGE"
+
+enum { STAGE_VERSION = 2, STAGE_ALIGN = 64, STAGE_LANES = 8 };
 
 struct stage_span { /* an array inside the block */
     uint64_t offset; /* bytes from the start of the stage, 64-aligned */
@@ -110,7 +112,7 @@ struct stage_camera {
 };
 
 struct stage {
-    char magic[8];        /* "SMSTAGE" */
+    char magic[8];        /* STAGE_MAGIC */
     uint32_t version;     /* STAGE_VERSION */
     uint32_t struct_bytes; /* sizeof(struct stage): another build's layout is refused */
     uint64_t bytes;       /* of the whole block */
@@ -126,6 +128,7 @@ struct stage {
 
     uint32_t prim_count;
 
+    /* Only spans from here to the end: stage_check knows them by their place. */
     struct stage_span shapes;    /* struct stage_shape, and one more, whose prim_begin is prim_count */
     struct stage_span trees;     /* struct stage_tree */
     struct stage_span nodes;     /* struct bvh_node (bvh.h), of all trees */
@@ -187,5 +190,10 @@ static inline uint32_t stage_shape_of(const struct stage *s, uint32_t prim)
     }
     return begin;
 }
+
+/* Whether the bytes, 64-aligned and from anywhere, are a block of this build with every array inside
+ * it. What stands in the arrays is not looked at: who keeps a block says how it is held
+ * against damage. */
+bool stage_check(const void *block, size_t bytes, struct err *) MUST_CHECK;
 
 #endif
