@@ -3,6 +3,7 @@
 # make check      install what the tests need, build, run every test     (README: "Tests")
 # make check-long the same under ASan/UBSan and TSan, with gcc and clang
 # make bench      measurements, each beside a peer or oracle, in one run
+# make bench-render [BASE=commit]    whole images against a former commit
 # MODE=release|debug|asan|tsan|coverage|fuzz    CC=gcc|clang    WERROR=1    J=jobs at once
 
 MODE   ?= release
@@ -50,7 +51,7 @@ BENCH  := $(patsubst bench/%.c,$(B)/%,$(wildcard bench/bench_*.c))
 TOOLS  := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/tool_*.c))
 FUZZ   := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/fuzz_*.c))
 
-.PHONY: all tests demo pictures check check-unit check-rules check-e2e check-long bench fuzz fuzz-run install clean
+.PHONY: all tests demo pictures check check-unit check-rules check-e2e check-long bench bench-render fuzz fuzz-run install clean
 .SECONDARY:
 .DELETE_ON_ERROR:
 
@@ -136,6 +137,9 @@ check-long:
 bench: all $(BENCH) $(TOOLS)
 	@for b in $(BENCH); do echo "== $$b"; $$b || exit 1; done
 	@for b in $(wildcard bench/bench_*.py); do echo "== $$b"; BIN=$(B) python3 $$b || exit 1; done
+
+bench-render: all $(B)/tool_local
+	BIN=$(B) BASE=$(BASE) python3 bench/bench_render.py
 
 fuzz:
 	$(MAKE) MODE=fuzz CC=clang fuzz-run
