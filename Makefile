@@ -4,6 +4,7 @@
 # make check-long the same under ASan/UBSan and TSan, with gcc and clang
 # make bench      measurements, each beside a peer or oracle, in one run
 # make bench-render [BASE=commit]    whole images against a former commit
+# make bench-cycles                  whole images against Blender's Cycles
 # MODE=release|debug|asan|tsan|coverage|fuzz    CC=gcc|clang    WERROR=1    J=jobs at once
 
 MODE   ?= release
@@ -51,7 +52,7 @@ BENCH  := $(patsubst bench/%.c,$(B)/%,$(wildcard bench/bench_*.c))
 TOOLS  := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/tool_*.c))
 FUZZ   := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/fuzz_*.c))
 
-.PHONY: all tests demo pictures check check-unit check-rules check-e2e check-long bench bench-render fuzz fuzz-run install clean
+.PHONY: all tests demo pictures check check-unit check-rules check-e2e check-long bench bench-render bench-cycles fuzz fuzz-run install clean
 .SECONDARY:
 .DELETE_ON_ERROR:
 
@@ -140,6 +141,8 @@ bench: all $(BENCH) $(TOOLS)
 
 bench-render: all $(B)/tool_local
 	BIN=$(B) BASE=$(BASE) python3 bench/bench_render.py
+bench-cycles: all $(B)/tool_local
+	BIN=$(B) python3 bench/bench_cycles.py
 
 fuzz:
 	$(MAKE) MODE=fuzz CC=clang fuzz-run
