@@ -62,7 +62,8 @@ def shares(tool, few, more):
             how = "instructions, by callgrind"
         if not whole:
             return None
-    rest = {name: count - fixed.get(name, 0) for name, count in whole.items()}
+    # What the first sample has half of is preparing: its difference would be noise.
+    rest = {name: count - fixed.get(name, 0) for name, count in whole.items() if count > 2 * fixed.get(name, 0)}
     total = sum(rest.values())
     return {name: count / total for name, count in rest.items()}, how
 

@@ -3,8 +3,8 @@
     sphere(path, center, radius, steps, seed)   2 steps^2 triangles: a ball with bumps of four sizes
     terrain(path, steps, seed)                  2 steps^2 triangles: hills over [-10, 10]^2, y up
 
-The bytes are a pure function of the arguments. Standard library only: a million triangles take a few seconds. A file
-that is there already is trusted; it appears whole or not at all.
+The bytes are a function of the arguments (and of libm's sine). Standard library only: a million triangles take a few
+seconds. A file that is there already is trusted; it appears whole or not at all.
 SPDX-License-Identifier: MIT
 """
 
