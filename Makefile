@@ -3,8 +3,10 @@
 # make check      install what the tests need, build, run every test     (README: "Tests")
 # make check-long the same under ASan/UBSan and TSan, with gcc and clang
 # make bench      measurements, each beside a peer or oracle, in one run
-# make bench-rays the ray kernel beside Embree's (ARGS=--quick: half a minute)
-# make bench-accel  the textbooks' structures beside ours: docs/accel.{csv,svg}
+# make bench-rays                    the ray kernel beside Embree's (ARGS=--quick: half a minute)
+# make bench-accel                   the textbooks' structures beside ours: docs/accel.{csv,svg}
+# make bench-render [BASE=commit]    whole images against a former commit
+# make bench-cycles                  whole images against Blender's Cycles
 # MODE=release|debug|asan|tsan|coverage|fuzz    CC=gcc|clang    WERROR=1    J=jobs at once
 
 MODE   ?= release
@@ -57,8 +59,8 @@ BENCH  := $(patsubst bench/%.c,$(B)/%,$(wildcard bench/bench_*.c))
 TOOLS  := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/tool_*.c))
 FUZZ   := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/fuzz_*.c))
 
-.PHONY: all tests demo pictures check check-unit check-rules check-e2e check-long bench bench-rays bench-accel fuzz \
-	fuzz-run install clean
+.PHONY: all tests demo pictures check check-unit check-rules check-e2e check-long bench bench-rays bench-accel bench-render \
+	bench-cycles fuzz fuzz-run install clean
 .SECONDARY:
 .DELETE_ON_ERROR:
 
@@ -165,6 +167,10 @@ bench-accel: $(B)/bench-accel
 	$< >$(O)/accel.csv
 	mv $(O)/accel.csv docs/
 	python3 bench/accel/chart.py docs/accel.csv docs/accel.svg
+bench-render: all $(B)/tool_local
+	BIN=$(B) BASE=$(BASE) python3 bench/bench_render.py
+bench-cycles: all $(B)/tool_local
+	BIN=$(B) python3 bench/bench_cycles.py
 
 fuzz:
 	$(MAKE) MODE=fuzz CC=clang fuzz-run
