@@ -100,20 +100,6 @@ static bool conductor_sample(const struct material *m, vec3 wo, struct square q,
 
 /* --- the choice --- */
 
-bool bsdf_is_delta(const struct material *m)
-{
-    switch (m->kind) {
-    case MATERIAL_DIFFUSE:
-        return false;
-    case MATERIAL_MIRROR:
-    case MATERIAL_DIELECTRIC:
-        return true;
-    case MATERIAL_CONDUCTOR:
-        return m->conductor.alpha < BSDF_LEAST_ALPHA;
-    }
-    __builtin_unreachable();
-}
-
 rgb bsdf_eval(const struct material *m, vec3 wo, vec3 wi)
 {
     if (!(wo[2] * wi[2] > 0) || bsdf_is_delta(m))

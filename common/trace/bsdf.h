@@ -29,7 +29,25 @@ struct bsdf_sample {
                   * the path leaves again, so roulette divides it out */
 };
 
-bool bsdf_is_delta(const struct material *);
+static inline bool bsdf_is_delta(const struct material *m)
+{
+    switch (m->kind) {
+    case MATERIAL_DIFFUSE:
+        return false;
+    case MATERIAL_MIRROR:
+    case MATERIAL_DIELECTRIC:
+        return true;
+    case MATERIAL_CONDUCTOR:
+        return m->conductor.alpha < BSDF_LEAST_ALPHA;
+    }
+    __builtin_unreachable();
+}
+
+/* Whether sampling chooses among kinds of scattering: else bsdf_sample does not look at `lobe`. */
+static inline bool bsdf_has_lobes(const struct material *m)
+{
+    return m->kind == MATERIAL_DIELECTRIC;
+}
 
 /* f |wi.z|. */
 rgb bsdf_eval(const struct material *, vec3 wo, vec3 wi);

@@ -78,12 +78,13 @@ rgb path_radiance(const struct stage *s, struct ray ray, const struct rng *rng,
             return light;
 
         /* Emission found by next-event estimation */
-        if (!bsdf_is_delta(m))
+        if (s->emitters.count > 0 && !bsdf_is_delta(m))
             light += throughput * light_directly(s, &at, m, &frame, wo, rng, bounce);
 
         /* Scattering */
         const struct square direction = rng_pair(rng, rng_dimension(bounce, RNG_BSDF_DIRECTION));
-        const float lobe = rng_single(rng, rng_dimension(bounce, RNG_BSDF_LOBE));
+        const float lobe =
+            bsdf_has_lobes(m) ? rng_single(rng, rng_dimension(bounce, RNG_BSDF_LOBE)) : 0;
         struct bsdf_sample next;
         if (!bsdf_sample(m, wo, lobe, direction, &next))
             return light;

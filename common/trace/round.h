@@ -4,7 +4,7 @@
 #ifndef COMMON_TRACE_ROUND_H
 #define COMMON_TRACE_ROUND_H
 
-#include "common/base.h"
+#include "common/trace/simd.h"
 
 #define ROUND_UNIT 0x1p-24f /* half the distance from 1 to the next float */
 
@@ -32,6 +32,20 @@ static inline float round_up(float x)
 static inline float round_down(float x)
 {
     return -round_up(-x);
+}
+
+/* Each coordinate of p to the next float on the side that `way` points to; where that is 0 it stays.
+ * As round_up and round_down, without a branch: the signs are anybody's guess. */
+static inline vec3 round_along(vec3 p, vec3 way)
+{
+    const vec3 zero = {0, 0, 0, 0};
+    const i32x4 down = way < zero;
+    const i32x4 mirror = down & INT32_MIN; /* down is up for -p */
+    const vec3 x = (vec3)((i32x4)p ^ mirror);
+    const i32x4 bits = (i32x4)x & (x != zero); /* -0 is 0 */
+    const i32x4 next = bits + ((x < zero) | 1);
+    const i32x4 moves = (down | (way > zero)) & (x < zero + __builtin_inff());
+    return vec3_choose(moves, (vec3)(next ^ mirror), p);
 }
 
 #endif

@@ -44,6 +44,20 @@ static inline f64x4 f64x4_of(vec3 v)
     return __builtin_convertvector(v, f64x4);
 }
 
+static inline vec3 f64x4_round(f64x4 v)
+{
+    return __builtin_convertvector(v, vec3);
+}
+
+/* Each component as a[i] * b[j] - a[j] * b[i]; lane 3 comes of the lanes 3. */
+static inline f64x4 f64x4_cross(f64x4 a, f64x4 b)
+{
+    const f64x4 aa = __builtin_shufflevector(a, a, 1, 2, 0, 3);
+    const f64x4 bb = __builtin_shufflevector(b, b, 1, 2, 0, 3);
+    const f64x4 c = a * bb - aa * b; /* z, x, y */
+    return __builtin_shufflevector(c, c, 1, 2, 0, 3);
+}
+
 static inline vec3 vec3_abs(vec3 v)
 {
     const i32x4 keep = {0x7fffffff, 0x7fffffff, 0x7fffffff, 0x7fffffff};

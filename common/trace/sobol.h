@@ -28,6 +28,15 @@ static inline uint32_t sobol_reverse(uint32_t x)
     return (x & 0x55555555) << 1 | (x >> 1 & 0x55555555);
 }
 
+/* 64 bits: two numbers at once, which change places. */
+static inline uint64_t sobol_reverse_both(uint64_t x)
+{
+    x = __builtin_bswap64(x);
+    x = (x & 0x0f0f0f0f0f0f0f0f) << 4 | (x >> 4 & 0x0f0f0f0f0f0f0f0f);
+    x = (x & 0x3333333333333333) << 2 | (x >> 2 & 0x3333333333333333);
+    return (x & 0x5555555555555555) << 1 | (x >> 1 & 0x5555555555555555);
+}
+
 /* Owen's scramble of a reversed number. After S. Laine, T. Karras, "Stratified Sampling for
  * Stochastic Transparency", EGSR 2011, with the constants of N. Vegdahl, "Building a Better LK
  * Hash", 2021 (https://psychopath.io/post/2021_01_30_building_a_better_lk_hash). The multipliers
@@ -69,9 +78,10 @@ static inline struct square sobol_pair(uint32_t index_reversed, uint32_t shuffle
                                        uint32_t scramble_u, uint32_t scramble_v)
 {
     const uint32_t index = sobol_reverse(sobol_scramble(index_reversed, shuffle));
-    const uint32_t u = sobol_reverse(sobol_scramble(index, scramble_u));
-    const uint32_t v = sobol_reverse(sobol_scramble(sobol_second(index), scramble_v));
-    return (struct square){sobol_float(u), sobol_float(v)};
+    const uint32_t u = sobol_scramble(index, scramble_u);
+    const uint32_t v = sobol_scramble(sobol_second(index), scramble_v);
+    const uint64_t both = sobol_reverse_both((uint64_t)v << 32 | u);
+    return (struct square){sobol_float((uint32_t)(both >> 32)), sobol_float((uint32_t)both)};
 }
 
 #endif

@@ -185,7 +185,7 @@ static inline uint32_t stage_shape_of(const struct stage *s, uint32_t prim)
     uint32_t begin = 0, count = (uint32_t)s->shapes.count - 1;
     while (count > 1) {
         const uint32_t half = count / 2;
-        begin = shapes[begin + half].prim_begin <= prim ? begin + half : begin;
+        begin += half & -(uint32_t)(shapes[begin + half].prim_begin <= prim); /* no branch */
         count -= half;
     }
     return begin;

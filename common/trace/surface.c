@@ -2,11 +2,7 @@
 #include "common/trace/surface.h"
 
 #include "common/trace/cylinder.h"
-
-static vec3 absolute(vec3 v)
-{
-    return vec3_make(__builtin_fabsf(v[0]), __builtin_fabsf(v[1]), __builtin_fabsf(v[2]));
-}
+#include "common/trace/simd.h"
 
 static struct surface make(const struct stage *s, struct stage_id id, vec3 p, vec3 p_error, vec3 ng)
 {
@@ -18,31 +14,47 @@ static struct surface make(const struct stage *s, struct stage_id id, vec3 p, ve
     return (struct surface){p, p_error, ng, id.prim, of->material, emitter};
 }
 
-/* In double: differences of floats and their products are exact there, so slivers keep a normal. */
-static vec3 triangle_normal(const float v[3][3])
+struct corners { /* of a triangle, in the world */
+    vec3 a, b, c;
+};
+
+static vec3 corner(const struct stage_block *block, int i, uint32_t lane)
 {
-    double a[3], b[3], n[3];
-    for (int k = 0; k < 3; k++) {
-        a[k] = (double)v[1][k] - (double)v[0][k];
-        b[k] = (double)v[2][k] - (double)v[0][k];
-    }
-    for (int k = 0; k < 3; k++) {
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
-        n[k] = a[i] * b[j] - a[j] * b[i];
-    }
-    const double length = __builtin_sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    return vec3_make((float)(n[0] / length), (float)(n[1] / length), (float)(n[2] / length));
+    return vec3_make(block->v[i][0][lane], block->v[i][1][lane], block->v[i][2][lane]);
+}
+
+/* As stage_triangle_at, into registers. */
+static struct corners corners_at(const struct stage *s, struct stage_id id)
+{
+    const struct stage_block *block =
+        (const struct stage_block *)stage_at(s, s->blocks) + id.place.index / STAGE_LANES;
+    const uint32_t lane = id.place.index % STAGE_LANES;
+    const struct corners t = {corner(block, 0, lane), corner(block, 1, lane),
+                              corner(block, 2, lane)};
+    if (id.instance == STAGE_NONE)
+        return t;
+    const struct stage_instance *of = stage_instance_at(s, id.instance);
+    const struct corners world = {xform_point(&of->to_world, t.a), xform_point(&of->to_world, t.b),
+                                  xform_point(&of->to_world, t.c)};
+    return of->mirrored ? (struct corners){world.a, world.c, world.b} : world;
+}
+
+/* In double: differences of floats and their products are exact there, so slivers keep a normal. */
+static vec3 triangle_normal(const struct corners *t)
+{
+    const f64x4 a = f64x4_of(t->a);
+    const f64x4 n = f64x4_cross(f64x4_of(t->b) - a, f64x4_of(t->c) - a);
+    const f64x4 nn = n * n;
+    return f64x4_round(n / __builtin_sqrt(nn[0] + nn[1] + nn[2]));
 }
 
 struct surface surface_on_triangle(const struct stage *s, struct stage_id id, float u, float v)
 {
-    const struct stage_triangle t = stage_triangle_at(s, id.place.index, id.instance);
-    const vec3 a = vec3_load(t.v[0]) * (1 - u - v);
-    const vec3 b = vec3_load(t.v[1]) * u;
-    const vec3 c = vec3_load(t.v[2]) * v;
+    const struct corners t = corners_at(s, id);
+    const vec3 a = t.a * (1 - u - v), b = t.b * u, c = t.c * v;
     /* PBRT 4, section 6.8.5: seven roundings at most on the way from vertices to sum. */
-    const vec3 error = round_gamma(7) * (absolute(a) + absolute(b) + absolute(c));
-    return make(s, id, a + b + c, error, triangle_normal((const float(*)[3])t.v));
+    const vec3 error = round_gamma(7) * (vec3_abs(a) + vec3_abs(b) + vec3_abs(c));
+    return make(s, id, a + b + c, error, triangle_normal(&t));
 }
 
 /* Centre and radius are exact by definition; the sum in double is rounded once to float. The second
@@ -62,7 +74,7 @@ struct surface surface_on_sphere(const struct stage *s, struct stage_id id, vec3
         p[k] = (float)((double)sphere->center[k] + (double)sphere->radius * (n[k] / length));
         ng[k] = (float)(n[k] / length);
     }
-    return make(s, id, p, round_gamma(2) * absolute(p), ng);
+    return make(s, id, p, round_gamma(2) * vec3_abs(p), ng);
 }
 
 /* The nearest point of the disc's plane, in double, rounded once to float. */
@@ -77,7 +89,7 @@ struct surface surface_on_disc(const struct stage *s, struct stage_id id, vec3 p
     }
     for (int k = 0; k < 3; k++)
         p[k] = (float)((double)p[k] - off / nn * (double)disc->normal[k]);
-    return make(s, id, p, round_gamma(2) * absolute(p), vec3_load(disc->normal));
+    return make(s, id, p, round_gamma(2) * vec3_abs(p), vec3_load(disc->normal));
 }
 
 static const struct stage_cylinder *cylinder_at(const struct stage *s, uint32_t index)
@@ -104,8 +116,8 @@ static struct surface on_cylinder(const struct stage *s, struct stage_id id, dou
         p[k] = (float)((double)c->from[k] + along * a[k] + (double)c->radius * n[k]);
         ng[k] = (float)n[k];
     }
-    const vec3 terms = absolute(vec3_load(c->from)) + absolute(vec3_load(c->axis)) + c->radius;
-    return make(s, id, p, round_gamma(2) * absolute(p) + 0x1p-49f * terms, ng);
+    const vec3 terms = vec3_abs(vec3_load(c->from)) + vec3_abs(vec3_load(c->axis)) + c->radius;
+    return make(s, id, p, round_gamma(2) * vec3_abs(p) + 0x1p-49f * terms, ng);
 }
 
 struct surface surface_on_cylinder(const struct stage *s, struct stage_id id, float along,
@@ -116,7 +128,8 @@ struct surface surface_on_cylinder(const struct stage *s, struct stage_id id, fl
 }
 
 /* Met anew in double: far away, the rounding of the hit's t is more than a thin cylinder's radius,
- * and the normal would be that of some other point. The root is the one the hit was rounded from. */
+ * and the normal would be that of some other point. The root is the one the hit was rounded from.
+ */
 static struct surface met_cylinder(const struct stage *s, const struct ray *ray,
                                    const struct ray_hit *hit)
 {
@@ -151,16 +164,13 @@ struct surface surface_at(const struct stage *s, const struct ray *ray, const st
     __builtin_unreachable();
 }
 
-/* s.p moved along ng, to the side of dir, until the box of its error is left behind (PBRT 4, section
- * 6.8.6); rounded outwards. */
+/* s.p moved along ng, to the side of dir, until the box of its error is left behind (PBRT 4,
+ * section 6.8.6); rounded outwards. */
 static vec3 outside(const struct surface *s, vec3 p_error, vec3 dir)
 {
-    const float distance = vec3_dot(absolute(s->ng), p_error);
+    const float distance = vec3_dot(vec3_abs(s->ng), p_error);
     const vec3 offset = s->ng * (vec3_dot(dir, s->ng) < 0 ? -distance : distance);
-    vec3 p = s->p + offset;
-    for (int k = 0; k < 3; k++)
-        p[k] = offset[k] > 0 ? round_up(p[k]) : offset[k] < 0 ? round_down(p[k]) : p[k];
-    return p;
+    return round_along(s->p + offset, offset);
 }
 
 struct ray surface_leave(const struct surface *s, vec3 dir)
@@ -168,8 +178,8 @@ struct ray surface_leave(const struct surface *s, vec3 dir)
     return (struct ray){outside(s, s->p_error, dir), dir, __builtin_inff()};
 }
 
-/* A segment's direction is rounded, so that its end lies up to gamma(1) |d| beside the target; t of the
- * target's own surface is rounded to float, and a hit may be moved to where the ray enters the
+/* A segment's direction is rounded, so that its end lies up to gamma(1) |d| beside the target; t of
+ * the target's own surface is rounded to float, and a hit may be moved to where the ray enters the
  * primitive's box, by gamma(3) at most. All are lengths along the segment. */
 struct ray surface_to_surface(const struct surface *from, const struct surface *to)
 {

@@ -7,8 +7,8 @@
 #define COMMON_TRACE_WARP_H
 
 #include "common/trace/fmath.h"
+#include "common/trace/simd.h"
 #include "common/trace/sobol.h"
-#include "common/vec.h"
 
 struct warp_frame { /* right-handed, orthonormal: x, y, z as seen from outside */
     vec3 x, y, z;
@@ -42,15 +42,14 @@ static inline vec3 warp_to_world(const struct warp_frame *f, vec3 v)
 static inline vec3 warp_disc(struct square q)
 {
     const float a = 2 * q.u - 1, b = 2 * q.v - 1; /* exact */
-    float s, c;
-    if (a * a > b * b) {
-        fmath_sincos_octant(0.5f * FMATH_HALF_PI * (b / a), &s, &c);
-        return vec3_make(a * c, a * s, 0);
-    }
-    if (b == 0)
+    const i32x4 wide = (i32x4){0} - (a * a > b * b); /* of all lanes: which it is nobody can guess */
+    const vec3 most = vec3_choose(wide, vec3_make(a, b, 0), vec3_make(b, a, 0));
+    if (most[0] == 0)
         return vec3_make(0, 0, 0);
-    fmath_sincos_octant(0.5f * FMATH_HALF_PI * (a / b), &s, &c);
-    return vec3_make(b * s, b * c, 0);
+    float s, c;
+    fmath_sincos_octant(0.5f * FMATH_HALF_PI * (most[1] / most[0]), &s, &c);
+    const vec3 d = most[0] * vec3_choose(wide, vec3_make(c, s, 0), vec3_make(s, c, 0));
+    return vec3_make(d[0], d[1], 0);
 }
 
 /* The hemisphere around z, pdf_w cos / pi: the disc, lifted (Malley's method). */
