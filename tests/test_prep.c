@@ -299,6 +299,33 @@ static void test_camera(void)
     scenes_release(&s);
 }
 
+static void test_rays(void)
+{
+    struct scenes s;
+    scenes_init(&s, 640, 360);
+    scenes_look(&s, vec3_make(1, 2, 3), vec3_make(-4, 1, 0.5f), 1);
+    const struct stage_camera *camera = &scenes_stage(&s)->camera;
+    struct dice d = dice_make(6);
+    int other = 0;
+    for (int i = 0; i < 1000; i++) {
+        f32x8 x, y;
+        for (int k = 0; k < 8; k++) {
+            x[k] = 640 * dice_float(&d);
+            y[k] = 360 * dice_float(&d);
+        }
+        struct camera_rays eight;
+        camera_rays(camera, x, y, &eight);
+        for (uint32_t k = 0; k < 8; k++) {
+            const struct ray a = camera_rays_at(camera, &eight, k), b = camera_ray(camera, x[k], y[k]);
+            for (int j = 0; j < 3; j++)
+                other += a.dir[j] != b.dir[j] || a.origin[j] != b.origin[j];
+            other += a.t_max != b.t_max;
+        }
+    }
+    ok(other == 0, "eight camera rays at once are the eight rays: %d differ", other);
+    scenes_release(&s);
+}
+
 /* Other arenas, other names' addresses: a pointer or a stray byte in the block would show. */
 static void test_block(void)
 {
@@ -349,6 +376,7 @@ int main(void)
     test_empty();
     test_picks();
     test_camera();
+    test_rays();
     test_block();
     return tap_done();
 }

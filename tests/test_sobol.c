@@ -181,6 +181,26 @@ static void bits_are_fixed(void)
     ok(h == 0x6f460316, "10000 points have the bits of every other build");
 }
 
+/* Sample 8 index + i of a pixel, in lane i. */
+static void octets_are_the_same(void)
+{
+    int other = 0;
+    for (uint32_t p = 0; p < 2000; p++) {
+        struct rng_pixel pixel;
+        rng_pixel_init(&pixel, p, p * 7, p * 13);
+        const uint32_t index = p * 977 % (1u << 21);
+        const struct sobol8_square eight = rng_pixel_go(&pixel, index);
+        for (uint32_t i = 0; i < FILM_REPLICATES; i++) {
+            const struct rng r = rng_make(p, p * 7, p * 13, index * FILM_REPLICATES + i);
+            const struct square one = rng_pair(&r, RNG_FILTER);
+            other += pixel.replicate[i].key != r.key ||
+                     pixel.replicate[i].index_reversed != r.index_reversed ||
+                     eight.u[i] != one.u || eight.v[i] != one.v;
+        }
+    }
+    ok(other == 0, "eight samples at once are the eight samples: %d differ", other);
+}
+
 int main(void)
 {
     pairs_are_nets();
@@ -190,5 +210,6 @@ int main(void)
     deep_dimensions_are_independent();
     smooth_integrals_converge();
     bits_are_fixed();
+    octets_are_the_same();
     return tap_done();
 }

@@ -2,9 +2,12 @@
  * those however near. Coordinates of 1e-8 to 1e8. SPDX-License-Identifier: MIT */
 #include "common/trace/surface.h"
 
+#include <float.h>
 #include <math.h>
+#include <string.h>
 
 #include "common/trace/bvh.h"
+#include "common/trace/round.h"
 #include "tests/catalog.h"
 #include "tests/soup.h"
 #include "tests/stat.h"
@@ -436,6 +439,30 @@ static void test_error_bounds(void)
        points);
 }
 
+static uint32_t bits_of(float x)
+{
+    uint32_t b;
+    memcpy(&b, &x, sizeof b);
+    return b;
+}
+
+static void test_round_along(void)
+{
+    const float p[] = {0,       -0.0f,    1,        -1,        0x1p-149f, -0x1p-149f,
+                       FLT_MAX, -FLT_MAX, INFINITY, -INFINITY, 0.1f,      -3e7f};
+    const float ways[] = {0, -0.0f, 1e-30f, -1e-30f, 2, -2, NAN};
+    int other = 0;
+    for (size_t i = 0; i < countof(p); i++)
+        for (size_t j = 0; j < countof(ways); j++) {
+            const float x = p[i], way = ways[j];
+            const float want = way > 0 ? round_up(x) : way < 0 ? round_down(x) : x;
+            const vec3 got = round_along(vec3_make(x, 5, x), vec3_make(way, 0, way));
+            other += bits_of(got[0]) != bits_of(want) || got[1] != 5 ||
+                     bits_of(got[2]) != bits_of(want);
+        }
+    ok(other == 0, "round_along is round_up and round_down: %d differ", other);
+}
+
 int main(void)
 {
     test_leave_triangles();
@@ -446,5 +473,6 @@ int main(void)
     test_floors();
     test_near_occluder();
     test_error_bounds();
+    test_round_along();
     return tap_done();
 }

@@ -11,18 +11,50 @@
  * than 2^127, so that no sum leaves the range of float. */
 #define RENDER_MAX_RADIANCE 0x1p+102f
 
-rgb render_sample(const struct stage *s, uint32_t x_px, uint32_t y_px, uint32_t sample)
+/* A pixel's eight samples that differ in their replicate only: what they have in common is done
+ * once, and their rays in the lanes of vectors. */
+struct octet {
+    const struct stage *stage;
+    uint32_t x_px, y_px;
+    struct rng_pixel rng;
+    struct camera_rays rays;
+};
+
+static void octet_init(struct octet *o, const struct stage *s, uint32_t x_px, uint32_t y_px)
 {
-    const struct rng rng = rng_make(s->settings.seed, x_px, y_px, sample);
-    const struct square q = rng_pair(&rng, RNG_FILTER);
-    const float x = (float)x_px + 0.5f + camera_filter(&s->film, q.u);
-    const float y = (float)y_px + 0.5f + camera_filter(&s->film, q.v);
-    const struct ray ray = camera_ray(&s->camera, x, y);
+    o->stage = s;
+    o->x_px = x_px;
+    o->y_px = y_px;
+    rng_pixel_init(&o->rng, s->settings.seed, x_px, y_px);
+}
+
+/* Samples [8 index, 8 index + 8). */
+static void octet_go(struct octet *o, uint32_t index)
+{
+    const struct stage *s = o->stage;
+    const struct sobol8_square q = rng_pixel_go(&o->rng, index);
+    const f32x8 x = (float)o->x_px + 0.5f + camera_filter(&s->film, q.u);
+    const f32x8 y = (float)o->y_px + 0.5f + camera_filter(&s->film, q.v);
+    camera_rays(&s->camera, x, y, &o->rays);
+}
+
+static rgb octet_sample(const struct octet *o, uint32_t replicate)
+{
+    const struct stage *s = o->stage;
+    const struct ray ray = camera_rays_at(&s->camera, &o->rays, replicate);
     switch (s->settings.integrator) {
     case INTEGRATOR_PATH:
-        return path_radiance(s, ray, &rng, PATH_ROULETTE_BEGIN);
+        return path_radiance(s, ray, &o->rng.replicate[replicate], PATH_ROULETTE_BEGIN);
     }
     __builtin_unreachable();
+}
+
+rgb render_sample(const struct stage *s, uint32_t x_px, uint32_t y_px, uint32_t sample)
+{
+    struct octet o;
+    octet_init(&o, s, x_px, y_px);
+    octet_go(&o, sample / FILM_REPLICATES);
+    return octet_sample(&o, sample % FILM_REPLICATES);
 }
 
 /* False for a NaN. */
@@ -35,13 +67,18 @@ static void render_pixel(const struct stage *s, struct film_samples *out, uint32
                          uint32_t y_px, float sums[FILM_CHANNELS])
 {
     double exact[FILM_REPLICATES][3] = {{0}};
+    struct octet octet;
+    octet_init(&octet, s, x_px, y_px);
     for (uint32_t i = out->pass.s_begin; i < out->pass.s_end; i++) {
-        const rgb c = render_sample(s, x_px, y_px, i);
+        const uint32_t replicate = i % FILM_REPLICATES;
+        if (replicate == 0 || i == out->pass.s_begin)
+            octet_go(&octet, i / FILM_REPLICATES);
+        const rgb c = octet_sample(&octet, replicate);
         if (!is_valid(c)) {
             film_samples_note_invalid(out, (struct film_key){x_px, y_px, i});
             continue;
         }
-        double *sum = exact[i % FILM_REPLICATES];
+        double *sum = exact[replicate];
         for (int k = 0; k < 3; k++)
             sum[k] += (double)c[k];
     }

@@ -13,6 +13,7 @@
 
 #include "common/film.h"
 #include "common/trace/sobol.h"
+#include "common/trace/sobol8.h"
 
 enum rng_purpose {
     RNG_LIGHT_PICK,     /* 32 bits: which emitter */
@@ -38,13 +39,23 @@ static inline uint64_t rng_mix(uint64_t x)
     return x ^ x >> 31;
 }
 
+static inline uint64_t rng_pixel_key(uint64_t seed, uint32_t x_px, uint32_t y_px)
+{
+    const uint64_t key = rng_mix(seed + 0x9e3779b97f4a7c15u);
+    return rng_mix(key ^ ((uint64_t)y_px << 32 | x_px));
+}
+
+static inline uint64_t rng_replicate_key(uint64_t pixel_key, uint64_t replicate)
+{
+    const uint64_t frame = 0;
+    return rng_mix(pixel_key ^ (frame << 8 | replicate));
+}
+
 static inline struct rng rng_make(uint64_t seed, uint32_t x_px, uint32_t y_px, uint32_t sample)
 {
-    const uint64_t frame = 0, replicate = sample % FILM_REPLICATES;
-    uint64_t key = rng_mix(seed + 0x9e3779b97f4a7c15u);
-    key = rng_mix(key ^ ((uint64_t)y_px << 32 | x_px));
-    key = rng_mix(key ^ (frame << 8 | replicate));
-    return (struct rng){key, sobol_reverse(sample / FILM_REPLICATES)};
+    return (struct rng){
+        rng_replicate_key(rng_pixel_key(seed, x_px, y_px), sample % FILM_REPLICATES),
+        sobol_reverse(sample / FILM_REPLICATES)};
 }
 
 static inline uint32_t rng_dimension(uint32_t bounce, enum rng_purpose purpose)
@@ -59,11 +70,21 @@ static inline uint64_t rng_seeds(const struct rng *r, uint32_t dimension)
     return rng_mix(r->key + (dimension + 1) * 0x9e3779b97f4a7c15u);
 }
 
-static inline struct square rng_pair(const struct rng *r, uint32_t dimension)
+struct rng_pair_seeds {
+    uint32_t shuffle, scramble_u, scramble_v;
+};
+
+static inline struct rng_pair_seeds rng_pair_seeds(const struct rng *r, uint32_t dimension)
 {
     const uint64_t h = rng_seeds(r, dimension);
     const uint32_t third = (uint32_t)(h * 0xd1342543de82ef95u >> 32);
-    return sobol_pair(r->index_reversed, (uint32_t)h, (uint32_t)(h >> 32), third);
+    return (struct rng_pair_seeds){(uint32_t)h, (uint32_t)(h >> 32), third};
+}
+
+static inline struct square rng_pair(const struct rng *r, uint32_t dimension)
+{
+    const struct rng_pair_seeds s = rng_pair_seeds(r, dimension);
+    return sobol_pair(r->index_reversed, s.shuffle, s.scramble_u, s.scramble_v);
 }
 
 static inline uint32_t rng_bits(const struct rng *r, uint32_t dimension)
@@ -75,6 +96,35 @@ static inline uint32_t rng_bits(const struct rng *r, uint32_t dimension)
 static inline float rng_single(const struct rng *r, uint32_t dimension)
 {
     return sobol_float(rng_bits(r, dimension));
+}
+
+/* --- the eight replicates of a pixel at once --- */
+
+struct rng_pixel {
+    struct rng replicate[FILM_REPLICATES]; /* at any index */
+    struct sobol8_seeds filter;            /* of the dimension RNG_FILTER, by replicate */
+};
+
+static inline void rng_pixel_init(struct rng_pixel *p, uint64_t seed, uint32_t x_px, uint32_t y_px)
+{
+    const uint64_t key = rng_pixel_key(seed, x_px, y_px);
+    for (uint32_t i = 0; i < FILM_REPLICATES; i++) {
+        p->replicate[i] = (struct rng){rng_replicate_key(key, i), 0};
+        const struct rng_pair_seeds s = rng_pair_seeds(&p->replicate[i], RNG_FILTER);
+        p->filter.shuffle[i] = s.shuffle;
+        p->filter.scramble_u[i] = s.scramble_u;
+        p->filter.scramble_v[i] = s.scramble_v;
+    }
+}
+
+/* All go to point `index` of theirs: samples 8 index to 8 index + 7 of the pixel. Returns their
+ * pairs for the filter. */
+static inline struct sobol8_square rng_pixel_go(struct rng_pixel *p, uint32_t index)
+{
+    const uint32_t reversed = sobol_reverse(index);
+    for (uint32_t i = 0; i < FILM_REPLICATES; i++)
+        p->replicate[i].index_reversed = reversed;
+    return sobol8_pair(u32x8_splat(reversed), &p->filter);
 }
 
 #endif

@@ -15,6 +15,7 @@
 
 typedef float f32x8 __attribute__((vector_size(32)));
 typedef int32_t i32x8 __attribute__((vector_size(32)));
+typedef uint32_t u32x8 __attribute__((vector_size(32)));
 typedef int32_t i32x4 __attribute__((vector_size(16)));
 typedef double f64x4 __attribute__((vector_size(32)));
 
@@ -37,6 +38,22 @@ static inline f32x8 f32x8_fetch(const float *aligned32)
 static inline f32x8 f32x8_splat(float x)
 {
     return (f32x8){x, x, x, x, x, x, x, x};
+}
+
+static inline u32x8 u32x8_load(const uint32_t *aligned32)
+{
+    return *(const u32x8 *)(const void *)aligned32;
+}
+
+static inline u32x8 u32x8_splat(uint32_t x)
+{
+    return (u32x8){x, x, x, x, x, x, x, x};
+}
+
+/* Lane by lane a where m is -1, b where it is 0. */
+static inline f32x8 f32x8_choose(i32x8 m, f32x8 a, f32x8 b)
+{
+    return (f32x8)(((i32x8)a & m) | ((i32x8)b & ~m));
 }
 
 static inline f64x4 f64x4_of(vec3 v)
@@ -92,6 +109,11 @@ static inline f32x8 f32x8_min(f32x8 a, f32x8 b)
 static inline f32x8 f32x8_max(f32x8 a, f32x8 b)
 {
     return (f32x8)_mm256_max_ps((__m256)a, (__m256)b);
+}
+
+static inline f32x8 f32x8_sqrt(f32x8 a)
+{
+    return (f32x8)_mm256_sqrt_ps((__m256)a);
 }
 
 /* a * b - c */
@@ -152,6 +174,13 @@ static inline f32x8 f32x8_max(f32x8 a, f32x8 b)
     for (int i = 0; i < 8; i++)
         b[i] = a[i] > b[i] ? a[i] : b[i];
     return b;
+}
+
+static inline f32x8 f32x8_sqrt(f32x8 a)
+{
+    for (int i = 0; i < 8; i++)
+        a[i] = __builtin_sqrtf(a[i]);
+    return a;
 }
 
 static inline f32x8 f32x8_fused(f32x8 a, f32x8 b, f32x8 c)
