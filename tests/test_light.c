@@ -235,7 +235,8 @@ static void picks_follow_table(void)
         if (!light_sample(stage, &from, bits, (struct square){.5f, .5f}, &light))
             continue;
         for (int k = 0; k < LIGHTS; k++) {
-            const struct surface at = surface_on_sphere(stage, catalog_id(stage, emitters[k].prim), -light.wi);
+            struct surface at = surface_on_sphere(stage, catalog_id(stage, emitters[k].prim), -light.wi);
+            at.emitter = (uint32_t)k;
             const vec3 d = vec3_unit(at.p - from.p);
             if (vec3_dot(d, light.wi) > 0.9999f) {
                 seen[k]++;

@@ -4,14 +4,9 @@
 #include "common/trace/cylinder.h"
 #include "common/trace/simd.h"
 
-static struct surface make(const struct stage *s, struct stage_id id, vec3 p, vec3 p_error, vec3 ng)
+static struct surface make(struct stage_id id, vec3 p, vec3 p_error, vec3 ng)
 {
-    const uint32_t shape = id.instance == STAGE_NONE ? stage_shape_of(s, id.prim)
-                                                     : stage_instance_at(s, id.instance)->shape;
-    const struct stage_shape *of = (const struct stage_shape *)stage_at(s, s->shapes) + shape;
-    const uint32_t emitter =
-        of->emitter_begin == STAGE_NONE ? STAGE_NONE : of->emitter_begin + id.prim - of->prim_begin;
-    return (struct surface){p, p_error, ng, id.prim, of->material, emitter};
+    return (struct surface){p, p_error, ng, id.prim, STAGE_NONE, STAGE_NONE};
 }
 
 struct corners { /* of a triangle, in the world */
@@ -48,13 +43,19 @@ static vec3 triangle_normal(const struct corners *t)
     return f64x4_round(n / __builtin_sqrt(nn[0] + nn[1] + nn[2]));
 }
 
-struct surface surface_on_triangle(const struct stage *s, struct stage_id id, float u, float v)
+static inline struct surface on_triangle(const struct stage *s, struct stage_id id, float u,
+                                         float v)
 {
     const struct corners t = corners_at(s, id);
     const vec3 a = t.a * (1 - u - v), b = t.b * u, c = t.c * v;
     /* PBRT 4, section 6.8.5: seven roundings at most on the way from vertices to sum. */
     const vec3 error = round_gamma(7) * (vec3_abs(a) + vec3_abs(b) + vec3_abs(c));
-    return make(s, id, a + b + c, error, triangle_normal(&t));
+    return make(id, a + b + c, error, triangle_normal(&t));
+}
+
+struct surface surface_on_triangle(const struct stage *s, struct stage_id id, float u, float v)
+{
+    return on_triangle(s, id, u, v);
 }
 
 /* Centre and radius are exact by definition; the sum in double is rounded once to float. The second
@@ -74,7 +75,7 @@ struct surface surface_on_sphere(const struct stage *s, struct stage_id id, vec3
         p[k] = (float)((double)sphere->center[k] + (double)sphere->radius * (n[k] / length));
         ng[k] = (float)(n[k] / length);
     }
-    return make(s, id, p, round_gamma(2) * vec3_abs(p), ng);
+    return make(id, p, round_gamma(2) * vec3_abs(p), ng);
 }
 
 /* The nearest point of the disc's plane, in double, rounded once to float. */
@@ -89,7 +90,7 @@ struct surface surface_on_disc(const struct stage *s, struct stage_id id, vec3 p
     }
     for (int k = 0; k < 3; k++)
         p[k] = (float)((double)p[k] - off / nn * (double)disc->normal[k]);
-    return make(s, id, p, round_gamma(2) * vec3_abs(p), vec3_load(disc->normal));
+    return make(id, p, round_gamma(2) * vec3_abs(p), vec3_load(disc->normal));
 }
 
 static const struct stage_cylinder *cylinder_at(const struct stage *s, uint32_t index)
@@ -117,7 +118,7 @@ static struct surface on_cylinder(const struct stage *s, struct stage_id id, dou
         ng[k] = (float)n[k];
     }
     const vec3 terms = vec3_abs(vec3_load(c->from)) + vec3_abs(vec3_load(c->axis)) + c->radius;
-    return make(s, id, p, round_gamma(2) * vec3_abs(p) + 0x1p-49f * terms, ng);
+    return make(id, p, round_gamma(2) * vec3_abs(p) + 0x1p-49f * terms, ng);
 }
 
 struct surface surface_on_cylinder(const struct stage *s, struct stage_id id, float along,
@@ -144,13 +145,13 @@ static struct surface met_cylinder(const struct stage *s, const struct ray *ray,
     return on_cylinder(s, id, sphere_dot(f, a) / sphere_dot(a, a), f);
 }
 
-struct surface surface_at(const struct stage *s, const struct ray *ray, const struct ray_hit *hit)
+static inline struct surface point_at(const struct stage *s, const struct ray *ray,
+                                      const struct ray_hit *hit, struct stage_id id)
 {
-    const struct stage_id id = {hit->prim, hit->place, hit->instance};
     const vec3 p = ray->origin + hit->t * ray->dir;
     switch ((enum stage_kind)id.place.kind) {
     case STAGE_TRIANGLE:
-        return surface_on_triangle(s, id, hit->u, hit->v);
+        return on_triangle(s, id, hit->u, hit->v);
     case STAGE_SPHERE: {
         const struct stage_sphere *sphere =
             (const struct stage_sphere *)stage_at(s, s->spheres) + id.place.index;
@@ -162,6 +163,19 @@ struct surface surface_at(const struct stage *s, const struct ray *ray, const st
         return met_cylinder(s, ray, hit);
     }
     __builtin_unreachable();
+}
+
+struct surface surface_at(const struct stage *s, const struct ray *ray, const struct ray_hit *hit)
+{
+    const struct stage_id id = {hit->prim, hit->place, hit->instance};
+    struct surface at = point_at(s, ray, hit, id);
+    const uint32_t shape = id.instance == STAGE_NONE ? stage_shape_of(s, id.prim)
+                                                     : stage_instance_at(s, id.instance)->shape;
+    const struct stage_shape *of = (const struct stage_shape *)stage_at(s, s->shapes) + shape;
+    at.material = of->material;
+    if (of->emitter_begin != STAGE_NONE)
+        at.emitter = of->emitter_begin + id.prim - of->prim_begin;
+    return at;
 }
 
 /* s.p moved along ng, to the side of dir, until the box of its error is left behind (PBRT 4,
