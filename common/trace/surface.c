@@ -177,35 +177,3 @@ struct surface surface_at(const struct stage *s, const struct ray *ray, const st
         at.emitter = of->emitter_begin + id.prim - of->prim_begin;
     return at;
 }
-
-/* s.p moved along ng, to the side of dir, until the box of its error is left behind (PBRT 4,
- * section 6.8.6); rounded outwards. */
-static vec3 outside(const struct surface *s, vec3 p_error, vec3 dir)
-{
-    const float distance = vec3_dot(vec3_abs(s->ng), p_error);
-    const vec3 offset = s->ng * (vec3_dot(dir, s->ng) < 0 ? -distance : distance);
-    return round_along(s->p + offset, offset);
-}
-
-struct ray surface_leave(const struct surface *s, vec3 dir)
-{
-    return (struct ray){outside(s, s->p_error, dir), dir, __builtin_inff()};
-}
-
-/* A segment's direction is rounded, so that its end lies up to gamma(1) |d| beside the target; t of
- * the target's own surface is rounded to float, and a hit may be moved to where the ray enters the
- * primitive's box, by gamma(3) at most. All are lengths along the segment. */
-struct ray surface_to_surface(const struct surface *from, const struct surface *to)
-{
-    const vec3 way = to->p - from->p;
-    const vec3 origin = outside(from, from->p_error, way);
-    const float blur = round_gamma(6) * vec3_length(way);
-    const vec3 target = outside(to, to->p_error + vec3_make(blur, blur, blur), -way);
-    return (struct ray){origin, target - origin, 1};
-}
-
-struct ray surface_to_point(const struct surface *from, vec3 to)
-{
-    const vec3 origin = outside(from, from->p_error, to - from->p);
-    return (struct ray){origin, to - origin, 1};
-}

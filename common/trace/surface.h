@@ -10,6 +10,7 @@
 #define COMMON_TRACE_SURFACE_H
 
 #include "common/trace/ray.h"
+#include "common/trace/round.h"
 #include "common/trace/stage.h"
 
 struct surface {
@@ -33,12 +34,40 @@ struct surface surface_on_disc(const struct stage *, struct stage_id, vec3 p);
 struct surface surface_on_cylinder(const struct stage *, struct stage_id, float along,
                                    vec3 outward);
 
+/* s.p moved along ng, to the side of dir, until the box of its error is left behind (PBRT 4,
+ * section 6.8.6); rounded outwards. */
+static inline vec3 surface_outside(const struct surface *s, vec3 p_error, vec3 dir)
+{
+    const float distance = vec3_dot(vec3_abs(s->ng), p_error);
+    const vec3 offset = s->ng * (vec3_dot(dir, s->ng) < 0 ? -distance : distance);
+    return round_along(s->p + offset, offset);
+}
+
 /* The ray from s along dir, t_max infinite. */
-struct ray surface_leave(const struct surface *s, vec3 dir);
+static inline struct ray surface_leave(const struct surface *s, vec3 dir)
+{
+    return (struct ray){surface_outside(s, s->p_error, dir), dir, __builtin_inff()};
+}
 
 /* Segments for any-hit tests, dir not unit, t_max 1: they end just before `to`, so that the
- * surface `to` lies on does not shadow itself, and neither does a neighbour in its plane. */
-struct ray surface_to_surface(const struct surface *from, const struct surface *to);
-struct ray surface_to_point(const struct surface *from, vec3 to);
+ * surface `to` lies on does not shadow itself, and neither does a neighbour in its plane.
+ *
+ * A segment's direction is rounded, so that its end lies up to gamma(1) |d| beside the target; t of
+ * the target's own surface is rounded to float, and a hit may be moved to where the ray enters the
+ * primitive's box, by gamma(3) at most. All are lengths along the segment. */
+static inline struct ray surface_to_surface(const struct surface *from, const struct surface *to)
+{
+    const vec3 way = to->p - from->p;
+    const vec3 origin = surface_outside(from, from->p_error, way);
+    const float blur = round_gamma(6) * vec3_length(way);
+    const vec3 target = surface_outside(to, to->p_error + vec3_make(blur, blur, blur), -way);
+    return (struct ray){origin, target - origin, 1};
+}
+
+static inline struct ray surface_to_point(const struct surface *from, vec3 to)
+{
+    const vec3 origin = surface_outside(from, from->p_error, to - from->p);
+    return (struct ray){origin, to - origin, 1};
+}
 
 #endif
