@@ -60,13 +60,14 @@ rgb render_sample(const struct stage *s, uint32_t x_px, uint32_t y_px, uint32_t 
 /* False for a NaN. */
 static bool is_valid(rgb c)
 {
-    return c[0] >= 0 && c[1] >= 0 && c[2] >= 0 && rgb_max(c) <= RENDER_MAX_RADIANCE;
+    const rgb least = rgb_gray(0), most = rgb_gray(RENDER_MAX_RADIANCE);
+    return (i32x4_mask((c >= least) & (c <= most)) & 7) == 7;
 }
 
 static void render_pixel(const struct stage *s, struct film_samples *out, uint32_t x_px,
                          uint32_t y_px, float sums[FILM_CHANNELS])
 {
-    double exact[FILM_REPLICATES][3] = {{0}};
+    f64x4 exact[FILM_REPLICATES] = {{0}};
     struct octet octet;
     octet_init(&octet, s, x_px, y_px);
     for (uint32_t i = out->pass.s_begin; i < out->pass.s_end; i++) {
@@ -78,12 +79,10 @@ static void render_pixel(const struct stage *s, struct film_samples *out, uint32
             film_samples_note_invalid(out, (struct film_key){x_px, y_px, i});
             continue;
         }
-        double *sum = exact[replicate];
-        for (int k = 0; k < 3; k++)
-            sum[k] += (double)c[k];
+        exact[replicate] += f64x4_of(c);
     }
-    for (int i = 0; i < FILM_CHANNELS; i++)
-        sums[i] = (float)exact[i / 3][i % 3];
+    for (int i = 0; i < FILM_REPLICATES; i++)
+        vec3_store(sums + 3 * i, f64x4_round(exact[i]));
 }
 
 void render_row(const struct stage *s, struct film_samples *out, uint32_t y_px)
