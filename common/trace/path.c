@@ -63,6 +63,8 @@ rgb path_radiance(const struct stage *s, struct ray ray, const struct rng *rng,
         struct ray_hit hit;
         if (!bvh_hit_closest(s, &ray, &hit))
             return light + throughput * s->sky;
+        /* Drawn here, because it takes as long as the vertex and waits for nothing */
+        const struct square direction = rng_pair(rng, rng_dimension(bounce, RNG_BSDF_DIRECTION));
         const struct surface at = surface_at(s, &ray, &hit);
         const struct material *m = &materials[at.material];
         const struct warp_frame frame = warp_frame_make(at.ng);
@@ -82,7 +84,6 @@ rgb path_radiance(const struct stage *s, struct ray ray, const struct rng *rng,
             light += throughput * light_directly(s, &at, m, &frame, wo, rng, bounce);
 
         /* Scattering */
-        const struct square direction = rng_pair(rng, rng_dimension(bounce, RNG_BSDF_DIRECTION));
         const float lobe =
             bsdf_has_lobes(m) ? rng_single(rng, rng_dimension(bounce, RNG_BSDF_LOBE)) : 0;
         struct bsdf_sample next;

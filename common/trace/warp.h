@@ -17,7 +17,8 @@ struct warp_frame { /* right-handed, orthonormal: x, y, z as seen from outside *
 /* T. Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017. z: unit. */
 static inline struct warp_frame warp_frame_make(vec3 z)
 {
-    const float sign = z[2] < 0 ? -1.0f : 1.0f;
+    const vec3 one = vec3_make(1, 1, 1), none = vec3_make(0, 0, 0);
+    const float sign = vec3_choose(z < none, -one, one)[2]; /* no branch: it is as likely as not */
     const float a = -1 / (sign + z[2]);
     const float b = z[0] * z[1] * a;
     return (struct warp_frame){
