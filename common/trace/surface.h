@@ -25,8 +25,8 @@ struct surface {
 /* The very ray that was traced: what is met is computed from it anew where t is not exact enough. */
 struct surface surface_at(const struct stage *, const struct ray *, const struct ray_hit *);
 
-/* A point chosen on a primitive by light sampling, with the same guarantees. What shape it is of is not
- * looked up: material and emitter are STAGE_NONE. */
+/* A point chosen on a primitive by light sampling, with the same guarantees. What shape it is of is
+ * not looked up: material and emitter are STAGE_NONE. */
 struct surface surface_on_triangle(const struct stage *, struct stage_id, float u, float v);
 struct surface surface_on_sphere(const struct stage *, struct stage_id, vec3 outward_unit);
 struct surface surface_on_disc(const struct stage *, struct stage_id, vec3 p);
