@@ -13,6 +13,7 @@
 #include "common/mesh.h"
 #include "common/http_problem.h"
 #include "common/trace/prep.h"
+#include "worker/team.h"
 
 enum {
     RETRY_FIRST_MS = 100,
@@ -27,6 +28,7 @@ struct loader {
     pthread_t thread;
     struct http_client *http;
     const struct cache *cache;
+    uint32_t threads; /* to prepare with, as many as render */
     struct mailbox *todo, *done;
     atomic_bool stopped; /* the owner sets it */
     atomic_bool ended;   /* the thread sets it, last */
@@ -153,7 +155,10 @@ static bool prepare(struct loader *l, struct load *load, struct story *story, in
     bool good = load_document(l, load, &w, &scene) && load_meshes(l, load, &w, &scene);
     buf_release(&w.bytes);
     story->load_ms = lap(last_ms);
-    if (good && !prep_stage(&scene, NULL, &load->arena, &w.scratch, &load->stage, &load->err))
+    struct team team = {.threads = l->threads};
+    memcpy(team.what, load->document, sizeof team.what);
+    const struct crew crew = team_crew(&team);
+    if (good && !prep_stage(&scene, &crew, &load->arena, &w.scratch, &load->stage, &load->err))
         good = fault(load, "input");
     arena_release(&w.scene);
     arena_release(&w.scratch);
@@ -236,6 +241,7 @@ struct loader *loader_new(const struct args *args, const struct cache *cache, si
     struct loader *l = arena_malloc(1, sizeof *l);
     l->http = http;
     l->cache = cache;
+    l->threads = args->threads;
     l->todo = mailbox_new(room, -1);
     l->done = done;
     atomic_init(&l->stopped, false);
