@@ -1,9 +1,8 @@
 /* team.h - threads that share a computation of the core: the crew of crew.h.
  *
- * They are started for each piece of work and have ended when it is done; the caller's thread is one of
- * them. A piece that takes longer says how far it is, every few seconds, in the log.
- * One run at a time per struct.
- * SPDX-License-Identifier: MIT */
+ * They are started for each piece of work and have ended when it is done; the caller's thread is
+ * one of them. A piece that takes longer says how far it is, every few seconds, in the log. One run
+ * at a time per struct. SPDX-License-Identifier: MIT */
 #ifndef WORKER_TEAM_H
 #define WORKER_TEAM_H
 
@@ -11,9 +10,9 @@
 #include "common/trace/crew.h"
 
 struct team {
-    uint32_t threads;       /* at least 1 */
-    char what[HASH_HEX];    /* for the log: the document's hash */
-    uint32_t pieces;        /* run so far */
+    uint32_t threads;    /* at least 1 */
+    char what[HASH_HEX]; /* for the log: the document's hash */
+    uint32_t pieces;     /* run so far */
 };
 
 /* Borrows the team, which outlives it. */

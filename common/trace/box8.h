@@ -12,8 +12,8 @@
  *
  * A direction with a zero, or nearly: the component becomes 2^-40 of the longest one. Over the
  * length of the scene that moves the ray by less than the padding, and all quotients stay finite.
- * Where they do not for the size of the numbers themselves, they are NaN and f32x8_min and _max keep
- * the box.
+ * Where they do not for the size of the numbers themselves, they are NaN and f32x8_min and _max
+ * keep the box.
  *
  * Layout and test: I. Wald et al., "Embree: A Kernel Framework for Efficient CPU Ray Tracing",
  * SIGGRAPH 2014; padding after T. Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013.
@@ -31,7 +31,7 @@ enum { BOX8_PLANES = 6 }; /* low x, y, z, then high x, y, z */
 struct box8_ray {
     vec3 inv;       /* 1 / d */
     vec3 near, far; /* origin / d, the origin moved by its error so that a box is met early,
-                            * left late */
+                     * left late */
     size_t near_plane[3], far_plane[3]; /* in floats from the first one */
 };
 

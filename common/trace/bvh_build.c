@@ -62,7 +62,8 @@ static uint32_t leaf_ref(struct bvh_part *part, const struct bvh_item *items,
     return bvh_ref_make(BVH_BLOCK, part->leaf_count++);
 }
 
-/* The child to split next: the one of the largest surface, or of the most items. BVH_WIDTH: none. */
+/* The child to split next: the one of the largest surface, or of the most items. BVH_WIDTH: none.
+ */
 static uint32_t widest(const struct bvh_range *children, uint32_t count, bool by_count)
 {
     uint32_t best = BVH_WIDTH;
@@ -78,8 +79,8 @@ static uint32_t widest(const struct bvh_range *children, uint32_t count, bool by
     return best;
 }
 
-/* Where a node has room left, leaves of large surface are worth two children: walls in one leaf have a
- * box as large as the room, each its own have none to speak of. */
+/* Where a node has room left, leaves of large surface are worth two children: walls in one leaf
+ * have a box as large as the room, each its own have none to speak of. */
 static uint32_t split_leaves(struct bvh_item *items, struct bvh_range children[BVH_WIDTH],
                              uint32_t count)
 {
@@ -210,8 +211,8 @@ static uint32_t final_ref(const struct writing *w, const struct bvh_part *part, 
     case BVH_NODE:
         return node_ref(w, part->node_begin + index);
     case BVH_BLOCK:
-        return bvh_ref_make(BVH_BLOCK, w->site->block_line +
-                                           BVH_BLOCK_LINES * (part->leaf_begin + index));
+        return bvh_ref_make(BVH_BLOCK,
+                            w->site->block_line + BVH_BLOCK_LINES * (part->leaf_begin + index));
     case REF_PART:
         return node_ref(w, w->plan->parts[index].node_begin);
     default:

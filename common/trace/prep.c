@@ -53,9 +53,9 @@ static void add_lights(struct prep_plan *p)
 /* The table of floats has this many steps that are all exact. */
 enum { PICK_STEPS = 1 << 24 };
 
-/* Chosen in proportion to power; all alike when none has any. Every emitter gets a step of the table,
- * however weak it is: one that is never chosen would be missing, since nothing else finds a point
- * or a distant light. (More than 2^23 emitters are surfaces, which directions find, too.) */
+/* Chosen in proportion to power; all alike when none has any. Every emitter gets a step of the
+ * table, however weak it is: one that is never chosen would be missing, since nothing else finds a
+ * point or a distant light. (More than 2^23 emitters are surfaces, which directions find, too.) */
 static void pick_emitters(struct prep_plan *p)
 {
     const uint64_t n = p->head.emitters.count;
@@ -134,7 +134,8 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
     uint64_t bytes = (sizeof *head + STAGE_ALIGN - 1) / STAGE_ALIGN * STAGE_ALIGN;
     for (size_t i = 0; i < countof(pieces); i++) {
         pieces[i].span->offset = bytes;
-        bytes += (pieces[i].span->count * pieces[i].size + STAGE_ALIGN - 1) / STAGE_ALIGN * STAGE_ALIGN;
+        bytes +=
+            (pieces[i].span->count * pieces[i].size + STAGE_ALIGN - 1) / STAGE_ALIGN * STAGE_ALIGN;
     }
     head->bytes = bytes;
     unsigned char *block = arena_alloc(arena, bytes, 1, STAGE_ALIGN);

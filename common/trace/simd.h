@@ -23,8 +23,8 @@ static inline f32x8 f32x8_load(const float *aligned32)
     return *(const f32x8 *)(const void *)aligned32;
 }
 
-/* The same, into a register. gcc else reads memory in the middle of a fused operation, where it must then
- * copy the other operand, which that overwrites. */
+/* The same, into a register. gcc else reads memory in the middle of a fused operation, where it
+ * must then copy the other operand, which that overwrites. */
 static inline f32x8 f32x8_fetch(const float *aligned32)
 {
     f32x8 v = f32x8_load(aligned32);

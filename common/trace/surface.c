@@ -116,7 +116,8 @@ struct surface surface_on_cylinder(const struct stage *s, struct stage_id id, fl
 }
 
 /* Met anew in double: far away, the rounding of the hit's t is more than a thin cylinder's radius,
- * and the normal would be that of some other point. The root is the one the hit was rounded from. */
+ * and the normal would be that of some other point. The root is the one the hit was rounded from.
+ */
 static struct surface met_cylinder(const struct stage *s, const struct ray *ray,
                                    const struct ray_hit *hit)
 {
@@ -151,8 +152,8 @@ struct surface surface_at(const struct stage *s, const struct ray *ray, const st
     __builtin_unreachable();
 }
 
-/* s.p moved along ng, to the side of dir, until the box of its error is left behind (PBRT 4, section
- * 6.8.6); rounded outwards. */
+/* s.p moved along ng, to the side of dir, until the box of its error is left behind (PBRT 4,
+ * section 6.8.6); rounded outwards. */
 static vec3 outside(const struct surface *s, vec3 p_error, vec3 dir)
 {
     const float distance = vec3_dot(absolute(s->ng), p_error);
@@ -168,8 +169,8 @@ struct ray surface_leave(const struct surface *s, vec3 dir)
     return (struct ray){outside(s, s->p_error, dir), dir, __builtin_inff()};
 }
 
-/* A segment's direction is rounded, so that its end lies up to gamma(1) |d| beside the target; t of the
- * target's own surface is rounded to float, and a hit may be moved to where the ray enters the
+/* A segment's direction is rounded, so that its end lies up to gamma(1) |d| beside the target; t of
+ * the target's own surface is rounded to float, and a hit may be moved to where the ray enters the
  * primitive's box, by gamma(3) at most. All are lengths along the segment. */
 struct ray surface_to_surface(const struct surface *from, const struct surface *to)
 {

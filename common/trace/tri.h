@@ -6,10 +6,10 @@
  * exact negatives of each other and a ray cannot slip between: true as long as the compiler
  * contracts nothing into a fused multiply-add (tests/test_canary.c).
  *
- * Which side of the surface the origin is on decides what a ray that starts there meets, and whether
- * a wall a hair's breadth away throws its shadow. So t is computed in double from the plane, for the
- * few triangles that pass: there is neither an epsilon nor a bound on errors to stay clear of.
- * SPDX-License-Identifier: MIT */
+ * Which side of the surface the origin is on decides what a ray that starts there meets, and
+ * whether a wall a hair's breadth away throws its shadow. So t is computed in double from the
+ * plane, for the few triangles that pass: there is neither an epsilon nor a bound on errors to stay
+ * clear of. SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_TRI_H
 #define COMMON_TRACE_TRI_H
 
@@ -18,9 +18,9 @@
 
 struct tri_ray {
     vec3 origin, dir;
-    int kx, ky, kz; /* z: the axis along which the ray is longest; x, y keep the winding */
-    float sx, sy;   /* the shear */
-    float ox, oy, oz; /* the origin along kx, ky, kz */
+    int kx, ky, kz;    /* z: the axis along which the ray is longest; x, y keep the winding */
+    float sx, sy;      /* the shear */
+    float ox, oy, oz;  /* the origin along kx, ky, kz */
     double o[3], d[3]; /* origin and dir once more */
 };
 
@@ -60,9 +60,9 @@ static inline float tri_edge_exact(float ax, float ay, float bx, float by)
     return (float)((double)ax * (double)by - (double)ay * (double)bx);
 }
 
-/* t of the triangle's plane. Differences of floats are exact in double and so are their products, all but
- * always: t is right to a rounding of float, and its sign is, unless the origin is nearer to
- * the plane than 1e-15 of the triangle's distance. A NaN for a ray in the plane. */
+/* t of the triangle's plane. Differences of floats are exact in double and so are their products,
+ * all but always: t is right to a rounding of float, and its sign is, unless the origin is nearer
+ * to the plane than 1e-15 of the triangle's distance. A NaN for a ray in the plane. */
 static inline float tri_plane_t(const struct tri_ray *r, const struct stage_triangle *t)
 {
     const double px = (double)t->v[0][0], py = (double)t->v[0][1], pz = (double)t->v[0][2];
@@ -94,7 +94,8 @@ static inline bool tri_inside(struct tri_edges e)
     return (e.e0 >= 0 && e.e1 >= 0 && e.e2 >= 0) || (e.e0 <= 0 && e.e1 <= 0 && e.e2 <= 0);
 }
 
-static inline struct tri_edges tri_edges_make(const struct tri_ray *r, const struct stage_triangle *t)
+static inline struct tri_edges tri_edges_make(const struct tri_ray *r,
+                                              const struct stage_triangle *t)
 {
     const vec3 a = vec3_load(t->v[0]) - r->origin, b = vec3_load(t->v[1]) - r->origin,
                c = vec3_load(t->v[2]) - r->origin;
