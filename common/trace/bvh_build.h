@@ -4,8 +4,8 @@
  * items and plans nodes and leaves; bvh_plan_write and bvh_plan_fill then write nodes and blocks
  * where the caller has made room for them.
  *
- * A node is made by splitting its range in two (bvh_split.h), and then the part of the largest
- * surface again, until there are eight: its children. A range that fits in a leaf is one.
+ * Items are split in two until they fit in leaves, and the nodes of eight are chosen from that
+ * tree (bvh_binary.h).
  * Levels of nodes are at most BVH_MAX_DEPTH: a range is halved by count as soon as that is just
  * enough to end there.
  *
