@@ -4,7 +4,7 @@
 #include "common/trace/simd.h"
 
 enum {
-    SORTED = 32, /* so many items or fewer are sorted */
+    SORTED = 16, /* so many items or fewer are sorted */
     BINS = 32,   /* at most */
 };
 
