@@ -39,7 +39,8 @@ bool bvh_space_make(const struct bvh_query *q, const struct bvh_space *world, ui
     }
     const float reach = box8_reach(vec3_max(vec3_abs(lo), vec3_abs(hi)));
     const float error = BOX8_PAD * (reach + box8_reach(q->tri.origin));
-    box8_ray_init(&space->box, origin, dir, box8_error(origin) + error * vec3_load(of->spread));
+    box8_ray_init(&space->box, origin, dir, box8_reach(dir),
+                  box8_error(origin) + error * vec3_load(of->spread));
     space->instance = instance;
     space->prim_begin = of->prim_begin;
     return true;

@@ -31,22 +31,25 @@ struct bvh_space {
 /* False when nothing can be hit: a ray that is no ray. */
 static inline bool bvh_query_make(const struct stage *s, const struct ray *ray, struct bvh_query *q)
 {
-    const vec3 o = ray->origin, d = ray->dir, none = {0};
+    const vec3 o = ray->origin, d = ray->dir;
     const vec3 zero = (o - o) + (d - d); /* a NaN for an infinity, too */
-    if ((i32x4_mask(zero == 0) & 7) != 7 || (i32x4_mask(d == none) & 7) == 7 || !(ray->t_max > 0))
+    if ((i32x4_mask(zero == 0) & 7) != 7 || !(ray->t_max > 0))
         return false;
     q->stage = s;
     q->first = stage_at(s, s->nodes);
     q->blocks = stage_at(s, s->blocks);
     q->tri = tri_ray_make(o, d);
     q->inv_z = 1 / d[q->tri.kz];
+    if (d[q->tri.kz] == 0)
+        return false;
     q->t_max = ray->t_max < FLT_MAX ? ray->t_max : FLT_MAX;
     return true;
 }
 
 static inline void bvh_world_make(const struct bvh_query *q, struct bvh_space *w)
 {
-    box8_ray_init(&w->box, q->tri.origin, q->tri.dir, box8_error(q->tri.origin));
+    const float longest = __builtin_fabsf(q->tri.dir[q->tri.kz]);
+    box8_ray_init(&w->box, q->tri.origin, q->tri.dir, longest, box8_error(q->tri.origin));
     w->instance = STAGE_NONE;
     w->prim_begin = 0;
     w->t[0] = 0;

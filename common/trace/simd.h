@@ -44,6 +44,12 @@ static inline f64x4 f64x4_of(vec3 v)
     return __builtin_convertvector(v, f64x4);
 }
 
+/* All four lanes: one instruction, where vec3_make takes four. */
+static inline vec3 vec3_splat(float x)
+{
+    return (vec3){x, x, x, x};
+}
+
 static inline vec3 vec3_abs(vec3 v)
 {
     const i32x4 keep = {0x7fffffff, 0x7fffffff, 0x7fffffff, 0x7fffffff};
