@@ -299,7 +299,9 @@ static __attribute__((noinline)) bool instance_hit(const struct bvh_query *q,
     return any ? walk(q, &space, root, true, true, best) : walk(q, &space, root, false, true, best);
 }
 
-bool bvh_hit_closest(const struct stage *s, const struct ray *ray, struct ray_hit *hit)
+/* In the world. True: something has been found. */
+static inline __attribute__((always_inline)) bool ask(const struct stage *s, const struct ray *ray,
+                                                      bool any, struct best *best)
 {
     struct bvh_query q;
     struct bvh_space world;
@@ -307,9 +309,14 @@ bool bvh_hit_closest(const struct stage *s, const struct ray *ray, struct ray_hi
     if (root == bvh_ref_make(BVH_NOTHING, 0) || !bvh_query_make(s, ray, &q))
         return false;
     bvh_world_make(&q, &world);
-    struct best best = {.t = q.t_max, .prim = STAGE_NONE};
-    walk(&q, &world, root, false, false, &best);
-    if (best.prim == STAGE_NONE)
+    *best = (struct best){.t = q.t_max, .prim = STAGE_NONE};
+    return walk(&q, &world, root, any, false, best) || best->prim != STAGE_NONE;
+}
+
+bool bvh_hit_closest(const struct stage *s, const struct ray *ray, struct ray_hit *hit)
+{
+    struct best best;
+    if (!ask(s, ray, false, &best))
         return false;
     *hit = (struct ray_hit){best.t, best.prim, 0, 0, best.place, best.instance};
     tri_weights(best.edges, &hit->u, &hit->v);
@@ -318,12 +325,6 @@ bool bvh_hit_closest(const struct stage *s, const struct ray *ray, struct ray_hi
 
 bool bvh_hit_any(const struct stage *s, const struct ray *ray)
 {
-    struct bvh_query q;
-    struct bvh_space world;
-    const uint32_t root = root_of(s, 0);
-    if (root == bvh_ref_make(BVH_NOTHING, 0) || !bvh_query_make(s, ray, &q))
-        return false;
-    bvh_world_make(&q, &world);
-    struct best best = {.t = q.t_max, .prim = STAGE_NONE};
-    return walk(&q, &world, root, true, false, &best);
+    struct best best;
+    return ask(s, ray, true, &best);
 }
