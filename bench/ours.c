@@ -98,8 +98,8 @@ static double half_area_of_all(const struct stage *s)
     return x * y + y * z + z * x;
 }
 
-/* A ray that meets everything's bounds tests one node, and then each child that it meets: a node or a
- * block, one vector test. Embree's sahCost counts the same (area of nodes, area of leaves times
+/* A ray that meets everything's bounds tests one node, and then each child that it meets: a node or
+ * a block, one vector test. Embree's sahCost counts the same (area of nodes, area of leaves times
  * their blocks), its blocks being of four triangles. */
 struct ours_tree ours_tree(const struct stage *s)
 {

@@ -16,9 +16,8 @@ static uint32_t lane_prim(const struct stage *s, uint64_t lane)
 
 static bool at_lane(const struct stage *s, uint64_t lane, uint32_t instance, struct stage_id *id)
 {
-    *id = (struct stage_id){lane_prim(s, lane),
-                            {STAGE_TRIANGLE, (uint32_t)lane & 0x1fffffff},
-                            instance};
+    *id = (struct stage_id){
+        lane_prim(s, lane), {STAGE_TRIANGLE, (uint32_t)lane & 0x1fffffff}, instance};
     if (id->prim == STAGE_NONE)
         return false;
     if (instance != STAGE_NONE)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "worker/loader.h"
 
+#include <malloc.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -13,6 +14,7 @@
 #include "common/mesh.h"
 #include "common/http_problem.h"
 #include "common/trace/prep.h"
+#include "worker/team.h"
 
 enum {
     RETRY_FIRST_MS = 100,
@@ -27,6 +29,7 @@ struct loader {
     pthread_t thread;
     struct http_client *http;
     const struct cache *cache;
+    uint32_t threads; /* to prepare with, as many as render */
     struct mailbox *todo, *done;
     atomic_bool stopped; /* the owner sets it */
     atomic_bool ended;   /* the thread sets it, last */
@@ -142,6 +145,15 @@ static int64_t lap(int64_t *last_ms)
     return lap_ms;
 }
 
+/* What preparing took and gave back, the system gets, too: glibc else keeps a hundred megabytes of it, in
+ * pieces, for each worker that prepares a large scene. */
+static void give_back_memory(void)
+{
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
+}
+
 static bool prepare(struct loader *l, struct load *load, struct story *story, int64_t *last_ms)
 {
     struct workshop w = {0};
@@ -153,7 +165,10 @@ static bool prepare(struct loader *l, struct load *load, struct story *story, in
     bool good = load_document(l, load, &w, &scene) && load_meshes(l, load, &w, &scene);
     buf_release(&w.bytes);
     story->load_ms = lap(last_ms);
-    if (good && !prep_stage(&scene, NULL, &load->arena, &w.scratch, &load->stage, &load->err))
+    struct team team = {.threads = l->threads};
+    memcpy(team.what, load->document, sizeof team.what);
+    const struct crew crew = team_crew(&team);
+    if (good && !prep_stage(&scene, &crew, &load->arena, &w.scratch, &load->stage, &load->err))
         good = fault(load, "input");
     arena_release(&w.scene);
     arena_release(&w.scratch);
@@ -189,6 +204,7 @@ static void run_load(struct loader *l, struct load *load)
         story.how = "mapped";
     } else {
         load->done = prepare(l, load, &story, &last_ms);
+        give_back_memory();
         if (answer == STAGEFILE_CLAIMED && load->done)
             share(load, &claim, &story);
         else if (answer == STAGEFILE_CLAIMED)
@@ -236,6 +252,7 @@ struct loader *loader_new(const struct args *args, const struct cache *cache, si
     struct loader *l = arena_malloc(1, sizeof *l);
     l->http = http;
     l->cache = cache;
+    l->threads = args->threads;
     l->todo = mailbox_new(room, -1);
     l->done = done;
     atomic_init(&l->stopped, false);

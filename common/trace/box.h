@@ -1,15 +1,14 @@
 /* box.h - ray against axis-aligned box: never misses a box whose primitive the ray's own test hits.
  *
- * T. Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013, pads the far distance for the roundings of the
- * slab test. That is not enough: the triangle test (tri.h) decides with sheared vertices, each off
- * by up to gamma(4) (|x| + |shear z|) (x, z: its distance from the origin), so it may accept a ray that
- * passes the box at that distance (Woop et al. 2013, section 3.3). Each slab is widened
- * by it; a box that starts far behind the ray's origin is where that shows.
+ * T. Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013, pads the far distance for the roundings of
+ * the slab test. That is not enough: the triangle test (tri.h) decides with sheared vertices, each
+ * off by up to gamma(4) (|x| + |shear z|) (x, z: its distance from the origin), so it may accept a
+ * ray that passes the box at that distance (Woop et al. 2013, section 3.3). Each slab is widened by
+ * it; a box that starts far behind the ray's origin is where that shows.
  *
- * Monotone: the entry into a box is not after the entry into a box inside it, bit for bit, since every
- * operation is. A NaN (0 * infinity: the ray lies in the plane) must lose: the
- * comparisons keep what was there.
- * SPDX-License-Identifier: MIT */
+ * Monotone: the entry into a box is not after the entry into a box inside it, bit for bit, since
+ * every operation is. A NaN (0 * infinity: the ray lies in the plane) must lose: the comparisons
+ * keep what was there. SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_BOX_H
 #define COMMON_TRACE_BOX_H
 
@@ -43,8 +42,8 @@ static inline bool box_hit(const struct box_ray *r, vec3 lo, vec3 hi, float t[2]
     const vec3 error = round_gamma(5) * reach + r->shear * reach[r->z];
     const vec3 first = a - error, last = b + error;
     const vec3 near = vec3_max(vec3_choose(back, last, first) * r->inv, none);
-    const vec3 far = vec3_min(
-        vec3_choose(back, first, last) * r->inv * (1 + 2 * round_gamma(3)), most);
+    const vec3 far =
+        vec3_min(vec3_choose(back, first, last) * r->inv * (1 + 2 * round_gamma(3)), most);
     const float near01 = near[0] > near[1] ? near[0] : near[1];
     const float far01 = far[0] < far[1] ? far[0] : far[1];
     t[0] = near01 > near[2] ? near01 : near[2];

@@ -12,8 +12,8 @@
  *
  * A direction with a zero, or nearly: the component becomes 2^-40 of the longest one. Over the
  * length of the scene that moves the ray by less than the padding, and all quotients stay finite.
- * Where they do not for the size of the numbers themselves, they are NaN and f32x8_min and _max keep
- * the box.
+ * Where they do not for the size of the numbers themselves, they are NaN and f32x8_min and _max
+ * keep the box.
  *
  * Layout and test: I. Wald et al., "Embree: A Kernel Framework for Efficient CPU Ray Tracing",
  * SIGGRAPH 2014; padding after T. Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013.
@@ -31,8 +31,9 @@ enum { BOX8_PLANES = 6 }; /* low x, y, z, then high x, y, z */
 struct box8_ray {
     vec3 inv;       /* 1 / d */
     vec3 near, far; /* origin / d, the origin moved by its error so that a box is met early,
-                            * left late */
-    size_t near_plane[3], far_plane[3]; /* in floats from the first one */
+                     * left late */
+    const uint16_t
+        *planes; /* which it enters by along x, y, z, then leaves by: in floats from the first */
 };
 
 static inline float box8_reach(vec3 v)
@@ -43,28 +44,30 @@ static inline float box8_reach(vec3 v)
     return xy > z ? xy : z;
 }
 
-/* error: of the origin and of everything that goes with it, along each axis. */
-static inline void box8_ray_init(struct box8_ray *r, vec3 origin, vec3 dir, vec3 error)
+/* By the signs of the direction, bit k for component k. */
+static const uint16_t box8_planes[8][6] = {
+    {0, 8, 16, 24, 32, 40}, {24, 8, 16, 0, 32, 40}, {0, 32, 16, 24, 8, 40}, {24, 32, 16, 0, 8, 40},
+    {0, 8, 40, 24, 32, 16}, {24, 8, 40, 0, 32, 16}, {0, 32, 40, 24, 8, 16}, {24, 32, 40, 0, 8, 16},
+};
+
+/* longest: box8_reach(dir). error: of the origin and of everything that goes with it, along each
+ * axis. */
+static inline void box8_ray_init(struct box8_ray *r, vec3 origin, vec3 dir, float longest,
+                                 vec3 error)
 {
-    const float tiny = 0x1p-40f * box8_reach(dir);
-    const vec3 least = vec3_make(tiny, tiny, tiny), none = {0};
+    const vec3 least = vec3_splat(0x1p-40f * longest), none = {0};
     const i32x4 back = dir < none;
     const vec3 inv = 1 / vec3_choose(vec3_abs(dir) < least, vec3_choose(back, -least, least), dir);
     const vec3 at = origin * inv, off = error * vec3_abs(inv);
     r->inv = inv;
     r->near = at + off;
     r->far = at - off;
-    for (int k = 0; k < 3; k++) {
-        const size_t first = 8 * (size_t)k, change = 24 & (size_t)back[k];
-        r->near_plane[k] = first + change;
-        r->far_plane[k] = first + 24 - change;
-    }
+    r->planes = box8_planes[i32x4_mask(back) & 7];
 }
 
 static inline vec3 box8_error(vec3 origin)
 {
-    const float e = BOX8_PAD * box8_reach(origin);
-    return vec3_make(e, e, e);
+    return vec3_splat(BOX8_PAD * box8_reach(origin));
 }
 
 /* The planes of box `lane`, moved outwards. Monotone: a box inside another has planes inside. */
@@ -97,12 +100,12 @@ static inline uint32_t box8_hit(const struct box8_ray *r, const struct box8_wide
                                 const float (*plane)[8], float t_max, f32x8 *near, f32x8 *far)
 {
     const float *p = plane[0];
-    const f32x8 x0 = f32x8_fused(f32x8_fetch(p + r->near_plane[0]), w->inv0, w->near0);
-    const f32x8 y0 = f32x8_fused(f32x8_fetch(p + r->near_plane[1]), w->inv1, w->near1);
-    const f32x8 z0 = f32x8_fused(f32x8_fetch(p + r->near_plane[2]), w->inv2, w->near2);
-    const f32x8 x1 = f32x8_fused(f32x8_fetch(p + r->far_plane[0]), w->inv0, w->far0);
-    const f32x8 y1 = f32x8_fused(f32x8_fetch(p + r->far_plane[1]), w->inv1, w->far1);
-    const f32x8 z1 = f32x8_fused(f32x8_fetch(p + r->far_plane[2]), w->inv2, w->far2);
+    const f32x8 x0 = f32x8_fused(f32x8_fetch(p + r->planes[0]), w->inv0, w->near0);
+    const f32x8 y0 = f32x8_fused(f32x8_fetch(p + r->planes[1]), w->inv1, w->near1);
+    const f32x8 z0 = f32x8_fused(f32x8_fetch(p + r->planes[2]), w->inv2, w->near2);
+    const f32x8 x1 = f32x8_fused(f32x8_fetch(p + r->planes[3]), w->inv0, w->far0);
+    const f32x8 y1 = f32x8_fused(f32x8_fetch(p + r->planes[4]), w->inv1, w->far1);
+    const f32x8 z1 = f32x8_fused(f32x8_fetch(p + r->planes[5]), w->inv2, w->far2);
     const f32x8 none = {0};
     *near = f32x8_max(x0, f32x8_max(y0, f32x8_max(z0, none)));
     *far = f32x8_min(x1, f32x8_min(y1, f32x8_min(z1, f32x8_splat(t_max))));

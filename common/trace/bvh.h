@@ -17,12 +17,14 @@
 
 enum {
     BVH_WIDTH = 8,
-    BVH_MAX_DEPTH = 64, /* levels of nodes; the builder keeps it by halving once SAH has used it up */
+    BVH_MAX_DEPTH =
+        64, /* levels of nodes; the builder keeps it by halving once SAH has used it up */
     BVH_STACK = (BVH_WIDTH - 1) * BVH_MAX_DEPTH + 1, /* all children but one of each level wait */
 };
 
-/* A child: what it is in the upper 4 bits, which one in the lower 28. Nodes and blocks are found in one
- * way, by their distance from the first node in cache lines: stage.blocks follow stage.nodes. */
+/* A child: what it is in the upper 4 bits, which one in the lower 28. Nodes and blocks are found in
+ * one way, by their distance from the first node in cache lines: stage.blocks follow stage.nodes.
+ */
 enum bvh_ref_kind {
     BVH_NODE,
     BVH_INSTANCE, /* index into stage.instances */
@@ -48,7 +50,7 @@ static inline uint32_t bvh_ref_index(uint32_t ref)
     return ref & 0xfffffff;
 }
 
-struct bvh_node { /* 256 bytes: four cache lines */
+struct bvh_node {              /* 256 bytes: four cache lines */
     float plane[6][BVH_WIDTH]; /* box8.h */
     uint32_t child[BVH_WIDTH];
     uint32_t used; /* bit i: child i is there; the lower ones are */

@@ -3,6 +3,7 @@
 
 #include <assert.h>
 
+#include "common/trace/bvh_binary.h"
 #include "common/trace/box8.h"
 
 enum {
@@ -16,33 +17,22 @@ enum {
 #define LEAF_SPLIT_GAIN 0.75f
 
 struct pending { /* a node to be made, and the child that will refer to it */
-    struct bvh_range range;
+    uint32_t binary; /* in whose place */
     struct bvh_node *parent;
     uint32_t lane, depth;
 };
-
-static uint32_t ceil_log2(uint32_t n)
-{
-    return n <= 1 ? 0 : 32 - (uint32_t)__builtin_clz(n - 1);
-}
-
-static bool is_leaf(const struct bvh_range *r)
-{
-    const uint32_t count = r->end - r->begin;
-    return count == 1 || (r->weight == count && count <= BVH_LEAF_WEIGHT);
-}
 
 static struct bvh_node *node_of(const struct bvh_part *part, uint32_t i)
 {
     return &part->chunks[i / CHUNK][i % CHUNK];
 }
 
-static struct bvh_node *new_node(struct bvh_part *part)
+static void new_node(struct bvh_part *part)
 {
     if (part->node_count % CHUNK == 0)
         part->chunks[part->node_count / CHUNK] =
             arena_alloc(&part->arena, CHUNK, sizeof(struct bvh_node), 64);
-    return node_of(part, part->node_count++);
+    part->node_count++;
 }
 
 /* Every node has two children at least, so there are fewer nodes than items. */
@@ -62,24 +52,8 @@ static uint32_t leaf_ref(struct bvh_part *part, const struct bvh_item *items,
     return bvh_ref_make(BVH_BLOCK, part->leaf_count++);
 }
 
-/* The child to split next: the one of the largest surface, or of the most items. BVH_WIDTH: none. */
-static uint32_t widest(const struct bvh_range *children, uint32_t count, bool by_count)
-{
-    uint32_t best = BVH_WIDTH;
-    float most = -1;
-    for (uint32_t i = 0; i < count; i++) {
-        const float size = by_count ? (float)(children[i].end - children[i].begin)
-                                    : bvh_half_area(&children[i].box);
-        if (!is_leaf(&children[i]) && (best == BVH_WIDTH || size > most)) {
-            best = i;
-            most = size;
-        }
-    }
-    return best;
-}
-
-/* Where a node has room left, leaves of large surface are worth two children: walls in one leaf have a
- * box as large as the room, each its own have none to speak of. */
+/* Where a node has room left, leaves of large surface are worth two children: walls in one leaf
+ * have a box as large as the room, each its own have none to speak of. */
 static uint32_t split_leaves(struct bvh_item *items, struct bvh_range children[BVH_WIDTH],
                              uint32_t count)
 {
@@ -96,24 +70,6 @@ static uint32_t split_leaves(struct bvh_item *items, struct bvh_range children[B
     return count;
 }
 
-static uint32_t split_in_eight(struct bvh_item *items, const struct pending *p,
-                               struct bvh_range children[BVH_WIDTH])
-{
-    const bool by_count = p->depth + ceil_log2(p->range.end - p->range.begin) >= BVH_MAX_DEPTH;
-    uint32_t count = 1;
-    children[0] = p->range;
-    while (count < BVH_WIDTH) {
-        const uint32_t i = widest(children, count, by_count);
-        if (i == BVH_WIDTH)
-            break;
-        struct bvh_range half[2];
-        bvh_split(items, &children[i], by_count, half);
-        children[i] = half[0];
-        children[count++] = half[1];
-    }
-    return by_count ? count : split_leaves(items, children, count);
-}
-
 static uint32_t part_ref(struct bvh_plan *plan, const struct bvh_range *r, uint32_t depth)
 {
     if (plan->part_count == plan->part_room) {
@@ -126,36 +82,60 @@ static uint32_t part_ref(struct bvh_plan *plan, const struct bvh_range *r, uint3
     return bvh_ref_make(REF_PART, plan->part_count++);
 }
 
+/* A range that needs no node below this one. */
+static uint32_t child_ref(struct bvh_plan *plan, struct bvh_part *part, const struct bvh_range *r,
+                          uint32_t depth)
+{
+    return bvh_binary_is_leaf(r) ? leaf_ref(part, plan->items, r) : part_ref(plan, r, depth);
+}
+
+/* The node's children that are nodes are added to the stack; how many. */
+static uint32_t fill_node(struct bvh_plan *plan, struct bvh_part *part, const struct bvh_binary *b,
+                          const struct pending *p, struct pending *stack)
+{
+    struct bvh_node *node = node_of(part, part->node_count - 1);
+    uint32_t from[BVH_WIDTH], nodes = 0;
+    struct bvh_range ranges[BVH_WIDTH];
+    uint32_t count = bvh_binary_children(b, p->binary, from);
+    bool all_leaves = true;
+    for (uint32_t i = 0; i < count; i++) {
+        ranges[i] = bvh_binary_at(b, from[i])->range;
+        all_leaves &= bvh_binary_is_leaf(&ranges[i]);
+    }
+    if (all_leaves) /* else lanes and binary nodes would no longer go together */
+        count = split_leaves(plan->items, ranges, count);
+    node->used = (1u << count) - 1;
+    for (uint32_t i = 0; i < count; i++) {
+        box8_store(node->plane, i, ranges[i].box.lo, ranges[i].box.hi);
+        if (!all_leaves && bvh_binary_at(b, from[i])->child[0])
+            stack[nodes++] = (struct pending){from[i], node, i, p->depth + 1};
+        else
+            node->child[i] = child_ref(plan, part, &ranges[i], p->depth + 1);
+    }
+    return nodes;
+}
+
 /* Ranges of at most part_most items become parts of the plan; 0: none does. */
 static void build(struct bvh_plan *plan, struct bvh_part *part, uint32_t part_most)
 {
+    const struct bvh_binary_limits limits = {part->depth, PART_LEAST, part_most};
+    struct arena arena = {0};
+    const struct bvh_binary b = bvh_binary_make(plan->items, &part->range, &limits, &arena);
     struct pending stack[BVH_STACK];
     uint32_t waiting = 0;
     part_open(part);
-    stack[waiting++] = (struct pending){.range = part->range, .depth = part->depth};
+    stack[waiting++] = (struct pending){.depth = part->depth};
     while (waiting) {
         const struct pending p = stack[--waiting];
         assert(p.depth <= BVH_MAX_DEPTH);
         const uint32_t number = part->node_count;
-        struct bvh_node *node = new_node(part);
+        new_node(part);
         if (p.parent)
             p.parent->child[p.lane] = bvh_ref_make(BVH_NODE, number);
         part->depth = max_u32(part->depth, p.depth);
-        struct bvh_range children[BVH_WIDTH];
-        const uint32_t count = split_in_eight(plan->items, &p, children);
-        node->used = (1u << count) - 1;
-        for (uint32_t i = 0; i < count; i++) {
-            const struct bvh_range *r = &children[i];
-            const uint32_t items = r->end - r->begin;
-            box8_store(node->plane, i, r->box.lo, r->box.hi);
-            if (is_leaf(r))
-                node->child[i] = leaf_ref(part, plan->items, r);
-            else if (items <= part_most && items >= PART_LEAST)
-                node->child[i] = part_ref(plan, r, p.depth + 1);
-            else
-                stack[waiting++] = (struct pending){*r, node, i, p.depth + 1};
-        }
+        waiting += fill_node(plan, part, &b, &p, stack + waiting);
     }
+    arena_release(&arena);
 }
 
 static void build_part(void *arg, uint32_t i)
@@ -173,7 +153,7 @@ struct bvh_plan bvh_plan_make(struct bvh_item *items, uint32_t count, const stru
     plan.parts = arena_new(&plan.arena, struct bvh_part, plan.part_room);
     plan.part_count = 1;
     struct bvh_part top = {.range = bvh_range_make(items, 0, count), .depth = 1};
-    if (is_leaf(&top.range)) {
+    if (bvh_binary_is_leaf(&top.range)) {
         part_open(&top);
         plan.root = leaf_ref(&top, items, &top.range);
     } else {
@@ -210,8 +190,8 @@ static uint32_t final_ref(const struct writing *w, const struct bvh_part *part, 
     case BVH_NODE:
         return node_ref(w, part->node_begin + index);
     case BVH_BLOCK:
-        return bvh_ref_make(BVH_BLOCK, w->site->block_line +
-                                           BVH_BLOCK_LINES * (part->leaf_begin + index));
+        return bvh_ref_make(BVH_BLOCK,
+                            w->site->block_line + BVH_BLOCK_LINES * (part->leaf_begin + index));
     case REF_PART:
         return node_ref(w, w->plan->parts[index].node_begin);
     default:

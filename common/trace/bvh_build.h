@@ -1,11 +1,11 @@
 /* bvh_build.h - items -> hierarchy of eight-wide nodes.
  *
- * In two steps, because what a tree needs is known only when it is there: bvh_plan_make sorts the items
- * and plans nodes and leaves; bvh_plan_write and bvh_plan_fill then write nodes and blocks where the
- * caller has made room for them.
+ * In two steps, because what a tree needs is known only when it is there: bvh_plan_make sorts the
+ * items and plans nodes and leaves; bvh_plan_write and bvh_plan_fill then write nodes and blocks
+ * where the caller has made room for them.
  *
- * A node is made by splitting its range in two (bvh_split.h), and then the part of the largest
- * surface again, until there are eight: its children. A range that fits in a leaf is one.
+ * Items are split in two until they fit in leaves, and the nodes of eight are chosen from that
+ * tree (bvh_binary.h).
  * Levels of nodes are at most BVH_MAX_DEPTH: a range is halved by count as soon as that is just
  * enough to end there.
  *
@@ -44,9 +44,10 @@ struct bvh_plan {
 /* items are reordered and must stay until the plan is released. */
 struct bvh_plan bvh_plan_make(struct bvh_item *items, uint32_t count, const struct crew *);
 
-struct bvh_site { /* where a plan's nodes and blocks will lie in the stage */
+struct bvh_site {           /* where a plan's nodes and blocks will lie in the stage */
     struct bvh_node *nodes; /* the plan's first one; room for node_count */
-    uint32_t node_line, block_line; /* its and the first block's distance from the stage's first node */
+    uint32_t node_line,
+        block_line; /* its and the first block's distance from the stage's first node */
 };
 
 /* Returns the root's reference. */

@@ -4,12 +4,12 @@
 #include "common/trace/simd.h"
 
 enum {
-    SORTED = 32, /* so many items or fewer are sorted */
+    SORTED = 16, /* so many items or fewer are sorted */
     BINS = 32,   /* at most */
 };
 
 struct cut {
-    int axis; /* -1: none */
+    int axis;    /* -1: none */
     uint32_t at; /* bins below, or sorted items before it, are the first part */
     float cost;
 };
@@ -158,7 +158,8 @@ static inline vec3 middle_of_item(const struct bvh_item *item)
     return middle_of(bounds_load(item->lo), bounds_load(item->hi));
 }
 
-/* The last bin's middles must stay below `bins` after rounding; an axis without width has one bin. */
+/* The last bin's middles must stay below `bins` after rounding; an axis without width has one bin.
+ */
 static struct grid grid_make(const struct bvh_range *r)
 {
     const uint32_t by_count = 8 + (r->end - r->begin) / 32;

@@ -1,10 +1,10 @@
 /* bvh_split.h - items of a hierarchy in two, where the surface area heuristic says.
  *
- * J. Goldsmith, J. Salmon, "Automatic Creation of Object Hierarchies for Ray Tracing", IEEE CG&A 7(5), 1987:
- * the chance that a ray which meets a box meets a box inside it is the ratio of their areas. The
- * cost of a side is its area times the leaves that it needs at least. Few items are sorted and
- * all cuts are tried; many go into bins: I. Wald, "On fast Construction of SAH-based Bounding Volume
- * Hierarchies", RT 2007.
+ * J. Goldsmith, J. Salmon, "Automatic Creation of Object Hierarchies for Ray Tracing", IEEE CG&A
+ * 7(5), 1987: the chance that a ray which meets a box meets a box inside it is the ratio of their
+ * areas. The cost of a side is its area times the leaves that it needs at least. Few items are
+ * sorted and all cuts are tried; many go into bins: I. Wald, "On fast Construction of SAH-based
+ * Bounding Volume Hierarchies", RT 2007.
  *
  * Deterministic: the same items in the same order give the same cut and the same order.
  * SPDX-License-Identifier: MIT */
@@ -13,8 +13,8 @@
 
 #include "common/trace/bvh.h"
 
-struct bvh_item { /* what the builder needs of a primitive; moved about */
-    float lo[3];  /* conservative bounds, finite */
+struct bvh_item {   /* what the builder needs of a primitive; moved about */
+    float lo[3];    /* conservative bounds, finite */
     uint32_t index; /* in its array */
     float hi[3];
     uint32_t kind; /* enum bvh_ref_kind */
@@ -34,8 +34,8 @@ static inline uint32_t bvh_item_weight(const struct bvh_item *item)
 
 struct bvh_range { /* of items, half-open, not empty */
     uint32_t begin, end;
-    uint32_t weight;     /* of all */
-    struct bvh_box box;  /* of all */
+    uint32_t weight;        /* of all */
+    struct bvh_box box;     /* of all */
     struct bvh_box middles; /* of the middles of their boxes */
 };
 

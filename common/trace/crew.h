@@ -1,7 +1,7 @@
 /* crew.h - work that may be done by several threads, for a core that knows none.
  *
- * The caller's crew runs task(arg, i) for all i < count, in any order, at the same time or one after
- * the other, and returns when all are done. Results do not depend on which.
+ * The caller's crew runs task(arg, i) for all i < count, in any order, at the same time or one
+ * after the other, and returns when all are done. Results do not depend on which.
  * SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_CREW_H
 #define COMMON_TRACE_CREW_H

@@ -53,9 +53,9 @@ static void add_lights(struct prep_plan *p)
 /* The table of floats has this many steps that are all exact. */
 enum { PICK_STEPS = 1 << 24 };
 
-/* Chosen in proportion to power; all alike when none has any. Every emitter gets a step of the table,
- * however weak it is: one that is never chosen would be missing, since nothing else finds a point
- * or a distant light. (More than 2^23 emitters are surfaces, which directions find, too.) */
+/* Chosen in proportion to power; all alike when none has any. Every emitter gets a step of the
+ * table, however weak it is: one that is never chosen would be missing, since nothing else finds a
+ * point or a distant light. (More than 2^23 emitters are surfaces, which directions find, too.) */
 static void pick_emitters(struct prep_plan *p)
 {
     const uint64_t n = p->head.emitters.count;
@@ -134,7 +134,8 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
     uint64_t bytes = (sizeof *head + STAGE_ALIGN - 1) / STAGE_ALIGN * STAGE_ALIGN;
     for (size_t i = 0; i < countof(pieces); i++) {
         pieces[i].span->offset = bytes;
-        bytes += (pieces[i].span->count * pieces[i].size + STAGE_ALIGN - 1) / STAGE_ALIGN * STAGE_ALIGN;
+        bytes +=
+            (pieces[i].span->count * pieces[i].size + STAGE_ALIGN - 1) / STAGE_ALIGN * STAGE_ALIGN;
     }
     head->bytes = bytes;
     unsigned char *block = arena_alloc(arena, bytes, 1, STAGE_ALIGN);
@@ -196,6 +197,19 @@ static void write_trees(const struct prep_plan *p, unsigned char *block, const s
     }
 }
 
+/* References to nodes and blocks have 28 bits. */
+static bool check_lines(const struct prep_plan *p, struct err *err)
+{
+    uint64_t lines = 0;
+    for (uint32_t i = 0; i < p->tree_count; i++)
+        lines += (uint64_t)BVH_NODE_LINES * p->trees[i].plan.node_count +
+                 (uint64_t)BVH_BLOCK_LINES * p->trees[i].plan.leaf_count;
+    return lines <= BVH_MOST_LINES ||
+           err_set(err, ERR_LIMIT, "the hierarchy takes %llu MB, at most %llu are allowed",
+                   (unsigned long long)(lines * BVH_LINE >> 20),
+                   (unsigned long long)BVH_MOST_LINES * BVH_LINE >> 20);
+}
+
 bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena *arena,
                 struct arena *scratch, const struct stage **stage, struct err *err)
 {
@@ -211,11 +225,14 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
     add_lights(&p);
     pick_emitters(&p);
     aim_camera(&p);
-    unsigned char *block = lay_out(&p, arena);
-    write_trees(&p, block, crew);
-    place_emitters(&p, (struct emitter *)(void *)(block + p.head.emitters.offset), scratch);
+    const bool fits = check_lines(&p, err);
+    if (fits) {
+        unsigned char *block = lay_out(&p, arena);
+        write_trees(&p, block, crew);
+        place_emitters(&p, (struct emitter *)(void *)(block + p.head.emitters.offset), scratch);
+        *stage = (const struct stage *)(const void *)block;
+    }
     for (uint32_t i = 0; i < p.tree_count; i++)
         bvh_plan_release(&p.trees[i].plan);
-    *stage = (const struct stage *)(const void *)block;
-    return true;
+    return fits;
 }

@@ -35,7 +35,8 @@ struct prep_plan {
 bool prep_plan_make(struct prep_plan *, const struct scene *, struct arena *scratch,
                     struct err *) MUST_CHECK;
 
-/* Shapes -> primitives, emitters, and trees with their plans. The bounds of the scene are then known. */
+/* Shapes -> primitives, emitters, and trees with their plans. The bounds of the scene are then
+ * known. */
 void prep_shapes(struct prep_plan *, const struct crew *);
 
 #endif

@@ -60,10 +60,10 @@ static void tree_open(struct prep_tree *t, uint64_t triangles, uint64_t others,
 }
 
 struct counts {
-    uint64_t prims;                /* numbered */
-    uint64_t triangles;            /* of the world's tree */
-    uint64_t stored;               /* triangles of all trees */
-    uint64_t others;               /* instances, and other primitives */
+    uint64_t prims;     /* numbered */
+    uint64_t triangles; /* of the world's tree */
+    uint64_t stored;    /* triangles of all trees */
+    uint64_t others;    /* instances, and other primitives */
 };
 
 static struct counts count(const struct prep_plan *p)
@@ -120,8 +120,7 @@ bool prep_plan_make(struct prep_plan *p, const struct scene *scene, struct arena
 
 /* --- primitives --- */
 
-static void add_item(struct prep_tree *t, enum bvh_ref_kind kind, uint64_t index,
-                     vec3 lo, vec3 hi)
+static void add_item(struct prep_tree *t, enum bvh_ref_kind kind, uint64_t index, vec3 lo, vec3 hi)
 {
     struct bvh_item *item = &t->items[t->item_count++];
     vec3_store(item->lo, lo);
@@ -130,8 +129,8 @@ static void add_item(struct prep_tree *t, enum bvh_ref_kind kind, uint64_t index
     item->kind = kind;
 }
 
-/* The number of the next primitive; area in m^2. Radiance L from a Lambertian emitter of area A is a
- * power of pi A L. Where triangles are is not known before the tree is (prep.c). */
+/* The number of the next primitive; area in m^2. Radiance L from a Lambertian emitter of area A is
+ * a power of pi A L. Where triangles are is not known before the tree is (prep.c). */
 static uint32_t add_prim(struct prep_plan *p, uint32_t shape, struct stage_place place, double area)
 {
     const struct shape *from = &p->scene->shapes[shape];
@@ -141,8 +140,7 @@ static uint32_t add_prim(struct prep_plan *p, uint32_t shape, struct stage_place
     const uint64_t at = p->head.emitters.count++;
     p->power[at] = PI * area * (double)rgb_luminance(from->emission);
     struct emitter *e = &p->emitters[at];
-    *e = (struct emitter){
-        .kind = EMITTER_PRIM, .prim = prim, .place = place, .area = (float)area};
+    *e = (struct emitter){.kind = EMITTER_PRIM, .prim = prim, .place = place, .area = (float)area};
     vec3_store(e->radiance, from->emission);
     return prim;
 }
@@ -195,8 +193,8 @@ static void add_world_triangle(struct prep_plan *p, uint32_t shape, const vec3 v
     const uint32_t index = world->triangle_count;
     double area;
     if (add_triangle(p, world, v, &area))
-        world->prims[index] = add_prim(
-            p, shape, (struct stage_place){STAGE_TRIANGLE, index & 0x1fffffff}, area);
+        world->prims[index] =
+            add_prim(p, shape, (struct stage_place){STAGE_TRIANGLE, index & 0x1fffffff}, area);
 }
 
 static void mesh_vertices(const struct mesh *mesh, uint32_t triangle, vec3 v[3])
@@ -253,14 +251,15 @@ static void add_sphere(struct prep_plan *p, uint32_t shape, const struct shape *
     to->radius = radius;
     vec3_store(to->center, center);
     const double rr = (double)radius * (double)radius;
-    to->prim = add_prim(p, shape, (struct stage_place){STAGE_SPHERE, index & 0x1fffffff},
-                        4 * PI * rr);
+    to->prim =
+        add_prim(p, shape, (struct stage_place){STAGE_SPHERE, index & 0x1fffffff}, 4 * PI * rr);
     vec3 lo, hi;
     sphere_bounds(to->center, radius, &lo, &hi);
     add_item(&p->trees[0], BVH_SPHERE, index, lo, hi);
 }
 
-/* n turned by a similarity: its scale drops out in the unit length, a mirror image keeps its front. */
+/* n turned by a similarity: its scale drops out in the unit length, a mirror image keeps its front.
+ */
 static void add_disc(struct prep_plan *p, uint32_t shape, const struct shape *s)
 {
     const vec3 center = xform_point(&s->to_world, vec3_load(s->disc.center));
@@ -334,8 +333,9 @@ static void invert(const struct xform *x, double inverse[3][4])
 static void bound_corners(const struct xform *x, vec3 lo, vec3 hi, struct bvh_box *box)
 {
     for (int corner = 0; corner < 8; corner++) {
-        const vec3 p = xform_point(x, vec3_make(corner & 1 ? hi[0] : lo[0], corner & 2 ? hi[1] : lo[1],
-                                                corner & 4 ? hi[2] : lo[2]));
+        const vec3 p =
+            xform_point(x, vec3_make(corner & 1 ? hi[0] : lo[0], corner & 2 ? hi[1] : lo[1],
+                                     corner & 4 ? hi[2] : lo[2]));
         box->lo = vec3_min(p, box->lo);
         box->hi = vec3_max(p, box->hi);
     }

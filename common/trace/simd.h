@@ -24,8 +24,8 @@ static inline f32x8 f32x8_load(const float *aligned32)
     return *(const f32x8 *)(const void *)aligned32;
 }
 
-/* The same, into a register. gcc else reads memory in the middle of a fused operation, where it must then
- * copy the other operand, which that overwrites. */
+/* The same, into a register. gcc else reads memory in the middle of a fused operation, where it
+ * must then copy the other operand, which that overwrites. */
 static inline f32x8 f32x8_fetch(const float *aligned32)
 {
     f32x8 v = f32x8_load(aligned32);
@@ -73,6 +73,12 @@ static inline f64x4 f64x4_cross(f64x4 a, f64x4 b)
     const f64x4 bb = __builtin_shufflevector(b, b, 1, 2, 0, 3);
     const f64x4 c = a * bb - aa * b; /* z, x, y */
     return __builtin_shufflevector(c, c, 1, 2, 0, 3);
+}
+
+/* All four lanes: one instruction, where vec3_make takes four. */
+static inline vec3 vec3_splat(float x)
+{
+    return (vec3){x, x, x, x};
 }
 
 static inline vec3 vec3_abs(vec3 v)

@@ -12,7 +12,10 @@ struct row {
     size_t size; /* of an element */
 };
 
-#define ROW(member, type) {#member, offsetof(struct stage, member), sizeof(type)}
+#define ROW(member, type)                                                                          \
+    {                                                                                              \
+#member, offsetof(struct stage, member), sizeof(type)                                      \
+    }
 
 static const struct row rows[] = {
     ROW(shapes, struct stage_shape),
@@ -28,7 +31,8 @@ static const struct row rows[] = {
     ROW(pick_cdf, float),
 };
 
-_Static_assert((sizeof(struct stage) - offsetof(struct stage, shapes)) / sizeof(struct stage_span) ==
+_Static_assert((sizeof(struct stage) - offsetof(struct stage, shapes)) /
+                       sizeof(struct stage_span) ==
                    countof(rows),
                "each span has its row");
 

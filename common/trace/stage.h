@@ -9,9 +9,9 @@
  * the hit is a pure function of the ray. Their vertices are in world space, in leaves of the
  * hierarchy: `struct stage_place` says where.
  *
- * A mesh that many shapes use may be stored once, in object space, as a tree of its own (prep.h says
- * when). A hit on it is still tested in world space, with the very vertices that a copy would have had.
- * SPDX-License-Identifier: MIT */
+ * A mesh that many shapes use may be stored once, in object space, as a tree of its own (prep.h
+ * says when). A hit on it is still tested in world space, with the very vertices that a copy would
+ * have had. SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_STAGE_H
 #define COMMON_TRACE_STAGE_H
 
@@ -23,7 +23,7 @@
 
 enum { STAGE_VERSION = 2, STAGE_ALIGN = 64, STAGE_LANES = 8 };
 
-struct stage_span { /* an array inside the block */
+struct stage_span {  /* an array inside the block */
     uint64_t offset; /* bytes from the start of the stage, 64-aligned */
     uint64_t count;  /* elements */
 };
@@ -42,10 +42,12 @@ struct stage_id { /* a primitive: its number, and the way to it */
     uint32_t instance; /* or STAGE_NONE: it is the world's own */
 };
 
-/* Eight triangles of one leaf, lane by lane: 320 bytes. Lanes not used are NaN, which no ray hits. */
+/* Eight triangles of one leaf, lane by lane: 320 bytes. Lanes not used are NaN, which no ray hits.
+ */
 struct stage_block {
     float v[3][3][STAGE_LANES]; /* [vertex][axis][lane] */
-    uint32_t prim[STAGE_LANES]; /* a shared mesh's: number within the mesh. STAGE_NONE: no triangle */
+    uint32_t
+        prim[STAGE_LANES]; /* a shared mesh's: number within the mesh. STAGE_NONE: no triangle */
 };
 
 struct stage_triangle {
@@ -69,8 +71,8 @@ struct stage_cylinder {
     uint32_t prim;
 };
 
-struct stage_shape { /* of the document, in its order */
-    uint32_t prim_begin;    /* its first primitive's number; the next shape's is where they end */
+struct stage_shape {     /* of the document, in its order */
+    uint32_t prim_begin; /* its first primitive's number; the next shape's is where they end */
     uint32_t material;
     uint32_t emitter_begin; /* of its first primitive, the others follow; STAGE_NONE: no light */
 };
@@ -86,9 +88,9 @@ struct stage_instance {
     struct xform to_world;
     double to_object[3][4];
     uint32_t tree, shape, prim_begin;
-    uint32_t mirrored; /* 1: vertices 1 and 2 change places, so that the front stays the front */
+    uint32_t mirrored;  /* 1: vertices 1 and 2 change places, so that the front stays the front */
     float lo[3], hi[3]; /* bounds in the world */
-    float spread[3];   /* a world distance of 1 is at most this far along each axis in object space */
+    float spread[3]; /* a world distance of 1 is at most this far along each axis in object space */
     float pad[3];
 };
 
@@ -97,31 +99,31 @@ enum emitter_kind { EMITTER_PRIM, EMITTER_POINT, EMITTER_DISTANT };
 
 struct emitter {
     enum emitter_kind kind;
-    uint32_t prim;     /* EMITTER_PRIM */
+    uint32_t prim;            /* EMITTER_PRIM */
     struct stage_place place; /* EMITTER_PRIM */
-    float radiance[3]; /* EMITTER_PRIM: radiance; POINT: intensity; DISTANT: irradiance */
-    float at[3];       /* POINT: position; DISTANT: direction of travel, unit */
-    float area;        /* EMITTER_PRIM: m^2 */
-    float pick;        /* probability of being chosen; they sum to 1 */
+    float radiance[3];        /* EMITTER_PRIM: radiance; POINT: intensity; DISTANT: irradiance */
+    float at[3];              /* POINT: position; DISTANT: direction of travel, unit */
+    float area;               /* EMITTER_PRIM: m^2 */
+    float pick;               /* probability of being chosen; they sum to 1 */
 };
 
 struct stage_camera {
     float origin[3];
-    float corner[3]; /* direction_raw through the top left corner of the frame */
+    float corner[3];    /* direction_raw through the top left corner of the frame */
     float dx[3], dy[3]; /* per pixel to the right, down */
 };
 
 struct stage {
-    char magic[8];        /* STAGE_MAGIC */
-    uint32_t version;     /* STAGE_VERSION */
+    char magic[8];         /* STAGE_MAGIC */
+    uint32_t version;      /* STAGE_VERSION */
     uint32_t struct_bytes; /* sizeof(struct stage): another build's layout is refused */
-    uint64_t bytes;       /* of the whole block */
+    uint64_t bytes;        /* of the whole block */
 
     struct stage_camera camera;
     struct scene_film film;
     struct scene_settings settings;
-    rgb sky;                   /* radiance of rays that leave the scene */
-    float bounds[2][3];        /* of all primitives */
+    rgb sky;                     /* radiance of rays that leave the scene */
+    float bounds[2][3];          /* of all primitives */
     uint32_t dropped_degenerate; /* zero-area triangles, not in any array */
     uint32_t dropped_nonfinite;  /* triangles with a vertex that is not finite */
     uint32_t bvh_depth;
@@ -129,10 +131,10 @@ struct stage {
     uint32_t prim_count;
 
     /* Only spans from here to the end: stage_check knows them by their place. */
-    struct stage_span shapes;    /* struct stage_shape, and one more, whose prim_begin is prim_count */
-    struct stage_span trees;     /* struct stage_tree */
-    struct stage_span nodes;     /* struct bvh_node (bvh.h), of all trees */
-    struct stage_span blocks;    /* struct stage_block, of all trees */
+    struct stage_span shapes; /* struct stage_shape, and one more, whose prim_begin is prim_count */
+    struct stage_span trees;  /* struct stage_tree */
+    struct stage_span nodes;  /* struct bvh_node (bvh.h), of all trees */
+    struct stage_span blocks; /* struct stage_block, of all trees */
     struct stage_span instances; /* struct stage_instance */
     struct stage_span spheres;   /* struct stage_sphere */
     struct stage_span discs;     /* struct stage_disc */
@@ -191,8 +193,8 @@ static inline uint32_t stage_shape_of(const struct stage *s, uint32_t prim)
     return begin;
 }
 
-/* Whether the bytes, 64-aligned and from anywhere, are a block of this build with every array inside
- * it. What stands in the arrays is not looked at: who keeps a block says how it is held
+/* Whether the bytes, 64-aligned and from anywhere, are a block of this build with every array
+ * inside it. What stands in the arrays is not looked at: who keeps a block says how it is held
  * against damage. */
 bool stage_check(const void *block, size_t bytes, struct err *) MUST_CHECK;
 

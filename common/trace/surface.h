@@ -14,15 +14,16 @@
 #include "common/trace/stage.h"
 
 struct surface {
-    vec3 p;         /* on the primitive */
-    vec3 p_error;   /* |true - p| <= p_error, per coordinate */
-    vec3 ng;        /* unit geometric normal of the front side (not flipped to the viewer) */
+    vec3 p;       /* on the primitive */
+    vec3 p_error; /* |true - p| <= p_error, per coordinate */
+    vec3 ng;      /* unit geometric normal of the front side (not flipped to the viewer) */
     uint32_t prim;
     uint32_t material;
     uint32_t emitter; /* or STAGE_NONE */
 };
 
-/* The very ray that was traced: what is met is computed from it anew where t is not exact enough. */
+/* The very ray that was traced: what is met is computed from it anew where t is not exact enough.
+ */
 struct surface surface_at(const struct stage *, const struct ray *, const struct ray_hit *);
 
 /* A point chosen on a primitive by light sampling, with the same guarantees. What shape it is of is

@@ -6,10 +6,10 @@
  * exact negatives of each other and a ray cannot slip between: true as long as the compiler
  * contracts nothing into a fused multiply-add (tests/test_canary.c).
  *
- * Which side of the surface the origin is on decides what a ray that starts there meets, and whether
- * a wall a hair's breadth away throws its shadow. So t is computed in double from the plane, for the
- * few triangles that pass: there is neither an epsilon nor a bound on errors to stay clear of.
- * SPDX-License-Identifier: MIT */
+ * Which side of the surface the origin is on decides what a ray that starts there meets, and
+ * whether a wall a hair's breadth away throws its shadow. So t is computed in double from the
+ * plane, for the few triangles that pass: there is neither an epsilon nor a bound on errors to stay
+ * clear of. SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_TRI_H
 #define COMMON_TRACE_TRI_H
 
@@ -18,22 +18,32 @@
 
 struct tri_ray {
     vec3 origin, dir;
-    int kx, ky, kz; /* z: the axis along which the ray is longest; x, y keep the winding */
-    float sx, sy;   /* the shear */
+    int kx, ky, kz;   /* z: the axis along which the ray is longest; x, y keep the winding */
+    float sx, sy;     /* the shear */
     float ox, oy, oz; /* the origin along kx, ky, kz */
-    double o[3], d[3]; /* origin and dir once more */
+    f64x4 o, d;       /* origin and dir once more */
 };
+
+/* The axes of a ray: kx, ky, kz in a byte each. compared: bit 0: |y| >= |x|, 1: |z| >= |y|, 2: |z|
+ * >= |x|; negative: bit k: component k is below 0. A table, since branches would be mispredicted
+ * more often than not. */
+static inline void tri_axes(uint32_t compared, uint32_t negative, int *kx, int *ky, int *kz)
+{
+    static const unsigned char longest[8] = {0, 1, 0, 2, 2, 1, 2, 2};
+    static const unsigned char next[6] = {1, 2, 2, 0, 0, 1}; /* x, y of an axis; for -z exchanged */
+    const uint32_t z = longest[compared], back = negative >> z & 1;
+    *kx = next[2 * z + back];
+    *ky = next[2 * z + (back ^ 1)];
+    *kz = (int)z;
+}
 
 static inline struct tri_ray tri_ray_make(vec3 origin, vec3 dir)
 {
-    /* Without a branch, which would be mispredicted more often than not. */
-    static const unsigned char next[5] = {0, 1, 2, 0, 1};
-    const vec3 a = vec3_abs(dir);
-    const int y = a[1] >= a[0];
-    const float xy = a[0] > a[1] ? a[0] : a[1];
-    const int z = a[2] >= xy, kz = 2 * z | (y & ~z);
-    const int back = dir[kz] < 0;
-    const int kx = next[kz + 1 + back], ky = next[kz + 2 - back];
+    const vec3 a = vec3_abs(dir), none = {0};
+    const i32x4 compared =
+        __builtin_shufflevector(a, a, 1, 2, 2, 3) >= __builtin_shufflevector(a, a, 0, 1, 0, 3);
+    int kx, ky, kz;
+    tri_axes(i32x4_mask(compared) & 7, i32x4_mask(dir < none), &kx, &ky, &kz);
     return (struct tri_ray){.origin = origin,
                             .dir = dir,
                             .kx = kx,
@@ -44,8 +54,8 @@ static inline struct tri_ray tri_ray_make(vec3 origin, vec3 dir)
                             .ox = origin[kx],
                             .oy = origin[ky],
                             .oz = origin[kz],
-                            .o = {(double)origin[0], (double)origin[1], (double)origin[2]},
-                            .d = {(double)dir[0], (double)dir[1], (double)dir[2]}};
+                            .o = f64x4_of(origin),
+                            .d = f64x4_of(dir)};
 }
 
 /* Twice the signed area of (0, a, b): antisymmetric in a and b to the last bit. */
@@ -60,9 +70,9 @@ static inline float tri_edge_exact(float ax, float ay, float bx, float by)
     return (float)((double)ax * (double)by - (double)ay * (double)bx);
 }
 
-/* t of the triangle's plane. Differences of floats are exact in double and so are their products, all but
- * always: t is right to a rounding of float, and its sign is, unless the origin is nearer to
- * the plane than 1e-15 of the triangle's distance. A NaN for a ray in the plane. */
+/* t of the triangle's plane. Differences of floats are exact in double and so are their products,
+ * all but always: t is right to a rounding of float, and its sign is, unless the origin is nearer
+ * to the plane than 1e-15 of the triangle's distance. A NaN for a ray in the plane. */
 static inline float tri_plane_t(const struct tri_ray *r, const struct stage_triangle *t)
 {
     const double px = (double)t->v[0][0], py = (double)t->v[0][1], pz = (double)t->v[0][2];
@@ -94,7 +104,8 @@ static inline bool tri_inside(struct tri_edges e)
     return (e.e0 >= 0 && e.e1 >= 0 && e.e2 >= 0) || (e.e0 <= 0 && e.e1 <= 0 && e.e2 <= 0);
 }
 
-static inline struct tri_edges tri_edges_make(const struct tri_ray *r, const struct stage_triangle *t)
+static inline struct tri_edges tri_edges_make(const struct tri_ray *r,
+                                              const struct stage_triangle *t)
 {
     const vec3 a = vec3_load(t->v[0]) - r->origin, b = vec3_load(t->v[1]) - r->origin,
                c = vec3_load(t->v[2]) - r->origin;

@@ -1,0 +1,139 @@
+/* SPDX-License-Identifier: MIT */
+#include "common/trace/bvh_binary.h"
+
+#include <assert.h>
+#include <string.h>
+
+struct pending {
+    struct bvh_range range;
+    uint32_t parent, side, depth; /* parent of node 0: itself */
+};
+
+static uint32_t ceil_log2(uint32_t n)
+{
+    return n <= 1 ? 0 : 32 - (uint32_t)__builtin_clz(n - 1);
+}
+
+bool bvh_binary_is_leaf(const struct bvh_range *r)
+{
+    const uint32_t count = r->end - r->begin;
+    return count == 1 || (r->weight == count && count <= BVH_LEAF_WEIGHT);
+}
+
+bool bvh_binary_is_part(const struct bvh_binary_limits *l, const struct bvh_range *r)
+{
+    const uint32_t count = r->end - r->begin;
+    return count >= l->part_least && count <= l->part_most;
+}
+
+static uint32_t new_node(struct bvh_binary *b)
+{
+    if (b->count % BVH_BINARY_CHUNK == 0) {
+        const uint32_t chunk = b->count / BVH_BINARY_CHUNK;
+        if (chunk == b->room) {
+            struct bvh_binary_node **more =
+                arena_new(b->arena, struct bvh_binary_node *, b->room ? 2 * (size_t)b->room : 64);
+            if (b->room)
+                memcpy(more, b->chunks, b->room * sizeof *more);
+            b->room = b->room ? 2 * b->room : 64;
+            b->chunks = more;
+        }
+        b->chunks[chunk] =
+            arena_alloc(b->arena, BVH_BINARY_CHUNK, sizeof(struct bvh_binary_node), 64);
+    }
+    return b->count++;
+}
+
+/* --- the choice --- */
+
+/* The best way to have exactly i children, for all i > 1. */
+static void distribute(struct bvh_binary_node *n, const struct bvh_binary_node *left,
+                       const struct bvh_binary_node *right, float cost[BVH_WIDTH])
+{
+    for (int i = 2; i <= BVH_WIDTH; i++) {
+        cost[i - 1] = __builtin_inff();
+        n->left[i - 1] = 1;
+        for (int k = 1; k < i; k++) {
+            const float sum = left->cost[k - 1] + right->cost[i - k - 1];
+            if (sum < cost[i - 1]) {
+                cost[i - 1] = sum;
+                n->left[i - 1] = (unsigned char)k;
+            }
+        }
+    }
+}
+
+static void choose(const struct bvh_binary *b, struct bvh_binary_node *n)
+{
+    const float area = bvh_half_area(&n->range.box);
+    float cost[BVH_WIDTH];
+    if (!n->child[0]) {
+        for (int i = 0; i < BVH_WIDTH; i++) {
+            n->cost[i] = area;
+            n->shape[i] = 1;
+        }
+        return;
+    }
+    distribute(n, bvh_binary_at(b, n->child[0]), bvh_binary_at(b, n->child[1]), cost);
+    n->cost[0] = area + cost[BVH_WIDTH - 1];
+    n->shape[0] = 1;
+    for (int i = 1; i < BVH_WIDTH; i++) {
+        const bool more = cost[i] < n->cost[i - 1];
+        n->cost[i] = more ? cost[i] : n->cost[i - 1];
+        n->shape[i] = more ? (unsigned char)(i + 1) : n->shape[i - 1];
+    }
+}
+
+/* The first `room` children of what is in node n's place are written; how many there are. */
+static uint32_t collect(const struct bvh_binary *b, uint32_t n, uint32_t count,
+                        uint32_t child[BVH_WIDTH])
+{
+    const struct bvh_binary_node *node = bvh_binary_at(b, n);
+    const uint32_t shape = node->shape[count - 1];
+    if (shape == 1) {
+        child[0] = n;
+        return 1;
+    }
+    const uint32_t left = node->left[shape - 1];
+    const uint32_t first = collect(b, node->child[0], left, child);
+    return first + collect(b, node->child[1], shape - left, child + first);
+}
+
+uint32_t bvh_binary_children(const struct bvh_binary *b, uint32_t n, uint32_t child[BVH_WIDTH])
+{
+    const struct bvh_binary_node *node = bvh_binary_at(b, n);
+    const uint32_t left = node->left[BVH_WIDTH - 1];
+    const uint32_t first = collect(b, node->child[0], left, child);
+    return first + collect(b, node->child[1], BVH_WIDTH - left, child + first);
+}
+
+/* --- the tree --- */
+
+/* Children come after their parent, so the costs are known from the end. */
+struct bvh_binary bvh_binary_make(struct bvh_item *items, const struct bvh_range *range,
+                                  const struct bvh_binary_limits *limits, struct arena *arena)
+{
+    struct bvh_binary b = {.arena = arena};
+    struct pending stack[BVH_MAX_DEPTH + 2];
+    uint32_t waiting = 0;
+    stack[waiting++] = (struct pending){*range, 0, 0, limits->depth};
+    while (waiting) {
+        const struct pending p = stack[--waiting];
+        const uint32_t i = new_node(&b);
+        struct bvh_binary_node *n = bvh_binary_at(&b, i);
+        n->range = p.range;
+        if (i)
+            bvh_binary_at(&b, p.parent)->child[p.side] = i;
+        if (bvh_binary_is_leaf(&p.range) || (i && bvh_binary_is_part(limits, &p.range)))
+            continue;
+        assert(p.depth <= BVH_MAX_DEPTH);
+        const bool by_count = p.depth + ceil_log2(p.range.end - p.range.begin) >= BVH_MAX_DEPTH;
+        struct bvh_range half[2];
+        bvh_split(items, &p.range, by_count, half);
+        stack[waiting++] = (struct pending){half[1], i, 1, p.depth + 1};
+        stack[waiting++] = (struct pending){half[0], i, 0, p.depth + 1};
+    }
+    for (uint32_t i = b.count; i-- > 0;)
+        choose(&b, bvh_binary_at(&b, i));
+    return b;
+}
