@@ -67,7 +67,8 @@ void crowd_add_others(struct scenes *s, uint32_t material, uint64_t seed)
     for (int i = 0; i < 10; i++) {
         const float radius = (float)dice_range(&d, 0.2, 2);
         scenes_sphere(s, material, soup_point(&d, 10), radius);
-        scenes_disc(s, material, soup_point(&d, 10), soup_direction(&d), radius);
+        const vec3 center = soup_point(&d, 10), normal = soup_direction(&d);
+        scenes_disc(s, material, center, normal, radius);
         const vec3 from = soup_point(&d, 10);
         scenes_cylinder(s, material, from, from + 3 * soup_direction(&d), radius);
     }

@@ -126,7 +126,9 @@ static const struct stage *plain_scene(struct scenes *s)
     for (int i = 0; i < 40; i++) {
         const float radius = (float)dice_range(&d, 0.02, 0.2);
         scenes_sphere(s, m, soup_point(&d, 1), radius);
-        scenes_disc(s, m, soup_point(&d, 1), soup_point(&d, 1), radius);
+        /* One call of the dice each: compilers differ in which argument they make first. */
+        const vec3 center = soup_point(&d, 1), normal = soup_point(&d, 1);
+        scenes_disc(s, m, center, normal, radius);
         const vec3 from = soup_point(&d, 1);
         scenes_cylinder(s, m, from, from + soup_point(&d, 1), radius);
     }
