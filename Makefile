@@ -11,6 +11,7 @@
 
 MODE   ?= release
 J      ?= $(shell nproc)
+PROVE   = prove
 CC      = gcc
 PREFIX ?= /usr/local
 O      := build/$(MODE)$(if $(filter clang%,$(notdir $(CC))),-clang)
@@ -141,12 +142,14 @@ check-rules:
 	tests/check_symbols.sh --self-test
 	tests/check_symbols.sh $(O)
 check-unit: tests
-	prove --exec '' $(TESTS)
+	$(PROVE) --exec '' $(TESTS)
 check-e2e: all tests
 	BIN=$(B) prove --exec python3 $(wildcard tests/e2e_*.py)
 
 check-long:
 	deploy/install-deps build test
+	$(MAKE) -j$(J) WERROR=1 all tests
+	TEST_LONG=1 $(MAKE) PROVE='prove -v' WERROR=1 check-unit # all that stat_tries names
 	$(MAKE) -j$(J) CC=clang WERROR=1 all tests
 	$(MAKE) CC=clang WERROR=1 check-unit check-e2e
 	$(MAKE) -j$(J) MODE=asan WERROR=1 all tests

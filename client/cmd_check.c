@@ -30,9 +30,10 @@ static void print_json(const struct scene_errors *errors)
 
 static void print_summary(const struct scene_disk *d, uint32_t unread)
 {
-    uint64_t triangles = 0;
-    for (uint32_t i = 0; i < d->scene.mesh_count; i++)
-        triangles += d->scene.meshes[i].triangle_count;
+    uint64_t triangles = 0; /* of all shapes: a mesh's as often as it is used */
+    for (uint32_t i = 0; i < d->scene.shape_count; i++)
+        if (d->scene.shapes[i].kind == SHAPE_MESH)
+            triangles += d->scene.meshes[d->scene.shapes[i].mesh.mesh].triangle_count;
     printf("valid: %u x %u pixels, %u shapes, %u meshes with %llu triangles, %u materials, %u "
            "lights\n",
            d->scene.film.width_px, d->scene.film.height_px, d->scene.shape_count,

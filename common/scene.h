@@ -114,7 +114,7 @@ struct shape {
             float vertices[4][3]; /* planar, convex, counter-clockwise seen from the front */
         } quad;
         struct {
-            uint32_t mesh; /* index into scene.meshes */
+            uint32_t mesh; /* index into scene.meshes; shapes that name the same one share it */
         } mesh;
     };
 };
@@ -190,8 +190,8 @@ bool scene_parse(struct scene *scene, const char *json, size_t bytes, enum scene
                  struct arena *arena, struct scene_errors *errors) MUST_CHECK;
 
 /* The same document with every mesh `file` replaced by its `asset` and `format`, as a coordinator
- * takes it. asset_hex[i] belongs to the i-th mesh of the scene that scene_parse made of the same
- * bytes; inline meshes' entries are ignored. Returns JSON text in the arena. */
+ * takes it. asset_hex[i] belongs to the i-th shape; only those of shapes with a file are looked at.
+ * Returns JSON text in the arena. */
 const char *scene_name_assets(const char *json, size_t bytes,
                               const char (*asset_hex)[HASH_HEX], struct arena *arena);
 

@@ -178,14 +178,13 @@ const char *scene_name_assets(const char *json, size_t bytes, const char (*asset
     if (shapes_find((struct walk){json, json + bytes}, &shapes, arena)) {
         struct piece item;
         enter(&shapes);
-        for (size_t mesh = 0; item_next(&shapes, &item);) {
+        for (size_t shape = 0; item_next(&shapes, &item); shape++) {
             const struct shape_pieces s = shape_scan(item, arena);
             if (s.is_mesh && s.file.begin) {
                 buf_append(&out, copied, (size_t)(s.file_key.begin - copied));
-                name_append(&out, s.file, asset_hex[mesh], arena);
+                name_append(&out, s.file, asset_hex[shape], arena);
                 copied = s.file.end;
             }
-            mesh += s.is_mesh;
         }
     }
     buf_append(&out, copied, (size_t)(json + bytes - copied));

@@ -103,8 +103,10 @@ const char *scene_disk_send(const struct scene_disk *d, struct arena *arena)
         any |= d->assets[i].path != NULL;
     if (!any)
         return d->json;
-    char(*hex)[HASH_HEX] = (char(*)[HASH_HEX])arena_alloc(arena, d->scene.mesh_count, HASH_HEX, 1);
-    for (uint32_t i = 0; i < d->scene.mesh_count; i++)
-        memcpy(hex[i], d->assets[i].hex, HASH_HEX);
+    const struct scene *scene = &d->scene;
+    char(*hex)[HASH_HEX] = (char(*)[HASH_HEX])arena_alloc(arena, scene->shape_count, HASH_HEX, 1);
+    for (uint32_t i = 0; i < scene->shape_count; i++)
+        if (scene->shapes[i].kind == SHAPE_MESH)
+            memcpy(hex[i], d->assets[scene->shapes[i].mesh.mesh].hex, HASH_HEX);
     return scene_name_assets(d->json, d->json_bytes, (const char(*)[HASH_HEX])hex, arena);
 }

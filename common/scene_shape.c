@@ -3,6 +3,7 @@
 #include "common/scene_read.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "common/scene_check.h"
@@ -355,6 +356,56 @@ static void read_shape(struct scene_doc *doc, const struct scene_at *at,
     }
 }
 
+/* --- meshes that several shapes name --- */
+
+struct naming {
+    const char *name; /* file or asset */
+    enum mesh_format format;
+    uint32_t mesh;
+};
+
+static int naming_order(const void *a, const void *b)
+{
+    const struct naming *x = a, *y = b;
+    const int names = strcmp(x->name, y->name);
+    if (names || x->format != y->format)
+        return names ? names : x->format < y->format ? -1 : 1;
+    return x->mesh < y->mesh ? -1 : 1;
+}
+
+/* One mesh for each name: it is read once, and can be prepared as one. They stay in the order in which
+ * they are first named. (No asset is named like a file, which ends in .ply or .obj.) */
+static void unite_meshes(struct scene *scene, struct arena *arena)
+{
+    struct naming *by_name = arena_new(arena, struct naming, scene->mesh_count);
+    uint32_t *becomes = arena_new(arena, uint32_t, scene->mesh_count);
+    uint32_t named = 0, kept = 0;
+    for (uint32_t i = 0; i < scene->mesh_count; i++) {
+        const struct mesh *m = &scene->meshes[i];
+        becomes[i] = i;
+        if (m->format != MESH_INLINE)
+            by_name[named++] = (struct naming){m->file ? m->file : m->asset, m->format, i};
+    }
+    if (named)
+        qsort(by_name, named, sizeof *by_name, naming_order);
+    for (uint32_t i = 1; i < named; i++)
+        if (!strcmp(by_name[i].name, by_name[i - 1].name) &&
+            by_name[i].format == by_name[i - 1].format)
+            becomes[by_name[i].mesh] = becomes[by_name[i - 1].mesh];
+    for (uint32_t i = 0; i < scene->mesh_count; i++) {
+        if (becomes[i] == i) {
+            scene->meshes[kept] = scene->meshes[i];
+            becomes[i] = kept++;
+        } else {
+            becomes[i] = becomes[becomes[i]]; /* an earlier one, whose place is known */
+        }
+    }
+    scene->mesh_count = kept;
+    for (uint32_t i = 0; i < scene->shape_count; i++)
+        if (scene->shapes[i].kind == SHAPE_MESH)
+            scene->shapes[i].mesh.mesh = becomes[scene->shapes[i].mesh.mesh];
+}
+
 static size_t mesh_count(const struct scene_at *shapes)
 {
     size_t count = 0;
@@ -380,4 +431,5 @@ void scene_read_shapes(struct scene_doc *doc, const struct scene_at *at,
         const struct scene_at item = scene_at_item(at, i);
         read_shape(doc, &item, names, scene, &scene->shapes[i]);
     }
+    unite_meshes(scene, doc->arena);
 }

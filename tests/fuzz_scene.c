@@ -49,8 +49,8 @@ static void check_scene(const struct scene *s)
 static void check_assets(const struct scene *scene, const char *json, size_t bytes,
                          struct arena *arena)
 {
-    char(*hex)[HASH_HEX] = arena_alloc(arena, scene->mesh_count, HASH_HEX, 1);
-    for (uint32_t i = 0; i < scene->mesh_count; i++)
+    char(*hex)[HASH_HEX] = arena_alloc(arena, scene->shape_count, HASH_HEX, 1);
+    for (uint32_t i = 0; i < scene->shape_count; i++)
         memset(hex[i], '0' + (int)(i % 10), HASH_HEX - 1);
     const char *text = scene_name_assets(json, bytes, hex, arena);
     struct scene sent;
@@ -58,9 +58,12 @@ static void check_assets(const struct scene *scene, const char *json, size_t byt
     if (strlen(text) > SCENE_MAX_BYTES)
         return;
     require(scene_parse(&sent, text, strlen(text), SCENE_FROM_NET, arena, &errors));
-    require(sent.mesh_count == scene->mesh_count && sent.shape_count == scene->shape_count);
-    for (uint32_t i = 0; i < sent.mesh_count; i++)
-        require(!scene->meshes[i].file || !strcmp(sent.meshes[i].asset, hex[i]));
+    require(sent.shape_count == scene->shape_count);
+    for (uint32_t i = 0; i < sent.shape_count; i++) {
+        const struct shape *shape = &scene->shapes[i];
+        if (shape->kind == SHAPE_MESH && scene->meshes[shape->mesh.mesh].file)
+            require(!strcmp(sent.meshes[sent.shapes[i].mesh.mesh].asset, hex[i]));
+    }
 }
 
 int LLVMFuzzerTestOneInput(const unsigned char *data, size_t bytes)

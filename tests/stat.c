@@ -3,8 +3,20 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "common/arena.h"
+
+bool stat_is_long(void)
+{
+    const char *set = getenv("TEST_LONG");
+    return set && *set && strcmp(set, "0") != 0;
+}
+
+uint32_t stat_tries(uint32_t quick, uint32_t whole)
+{
+    return (stat_is_long() ? whole : quick) / STAT_SLOW;
+}
 
 void stat_add(struct stat_mean *s, double x)
 {

@@ -17,6 +17,11 @@ enum { STAT_SLOW = 32 };
 enum { STAT_SLOW = 1 };
 #endif
 
+/* How many of something a test tries: the quick number, or with TEST_LONG=1 in the environment (make
+ * check-long) the whole one; of either the fraction that STAT_SLOW leaves. Tests say it. */
+uint32_t stat_tries(uint32_t quick, uint32_t whole);
+bool stat_is_long(void);
+
 struct stat_mean {          /* zero-initialised: no values yet */
     double n, mean, square; /* square: sum of squared differences from the mean */
 };

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "common/trace/prep.h"
 #include "tests/naive_hit.h"
@@ -89,7 +90,7 @@ static void test_mixes(void)
         scenes_init(&s, 1, 1);
         fill(&s, &d, sizes[seed % 3], 100, 20);
         const struct stage *stage = scenes_stage(&s);
-        for (int i = 0; i < 10000 / STAT_SLOW; i++)
+        for (uint32_t i = 0; i < stat_tries(10000, 85000); i++)
             try_ray(stage, random_ray(&d, stage, 1.5), &n);
         scenes_release(&s);
     }
@@ -115,7 +116,7 @@ static void test_grid(void)
             scenes_quad(&s, m, corner, side[0], side[1]);
         }
         const struct stage *stage = scenes_stage(&s);
-        for (int i = 0; i < 10000 / STAT_SLOW; i++)
+        for (uint32_t i = 0; i < stat_tries(10000, 85000); i++)
             try_ray(stage, random_ray(&d, stage, 1.5), &n);
         scenes_release(&s);
     }
@@ -228,10 +229,10 @@ static void garbage_triangle(struct dice *d, float (*v)[3], uint32_t i)
 
 static void test_garbage(void)
 {
-    enum { SEEDS = 300 };
+    const uint64_t seeds = stat_is_long() ? 1000 : 300;
     int wrong = 0, hits = 0;
     uint32_t depth = 0;
-    for (uint64_t seed = 0; seed < SEEDS; seed++) {
+    for (uint64_t seed = 0; seed < seeds; seed++) {
         struct dice d = dice_make(1000 + seed);
         struct scenes s;
         scenes_init(&s, 1, 1);
@@ -253,8 +254,104 @@ static void test_garbage(void)
         }
         scenes_release(&s);
     }
-    ok(wrong == 0 && hits > 3000, "garbage: the tree is the loop (%d of %d hits not)", wrong, hits);
+    ok(wrong == 0 && hits > 3000, "garbage, %d seeds: the tree is the loop (%d of %d hits not)",
+       (int)seeds, wrong, hits);
     ok(depth <= BVH_MAX_DEPTH, "garbage: depth %u of at most %d", depth, BVH_MAX_DEPTH);
+}
+
+/* Triangles that are no triangles hide none of those among which they are. */
+static void test_holes(void)
+{
+    enum { COUNT = 2000 };
+    struct scenes s, clean;
+    struct dice d = dice_make(14);
+    scenes_init(&s, 1, 1);
+    scenes_init(&clean, 1, 1);
+    float(*v)[3] = soup_vertices(&s, 2 * COUNT), (*w)[3] = soup_vertices(&clean, COUNT);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        const vec3 at = soup_point(&d, 1);
+        for (uint32_t k = 0; k < 3; k++) {
+            vec3_store(w[3 * i + k], at + soup_point(&d, 0.1));
+            memcpy(v[6 * i + 3 + k], w[3 * i + k], sizeof v[0]);
+            memcpy(v[6 * i + k], w[3 * i + k], sizeof v[0]);
+        }
+        v[6 * i + dice_bits(&d) % 3][dice_bits(&d) % 3] = i & 1 ? NAN : INFINITY;
+    }
+    const struct stage *holed = stage_of(&s, v, 2 * COUNT), *whole = stage_of(&clean, w, COUNT);
+    int hits = 0, wrong = 0;
+    for (int i = 0; i < 20000 / STAT_SLOW; i++) {
+        const struct ray ray = random_ray(&d, whole, 1.5);
+        struct ray_hit a = {0}, b = {0};
+        const bool hit = bvh_hit_closest(whole, &ray, &a);
+        wrong += hit != bvh_hit_closest(holed, &ray, &b) || memcmp(&a, &b, sizeof a) != 0;
+        hits += hit;
+    }
+    ok(hits > 1000 / STAT_SLOW && wrong == 0 && holed->dropped_nonfinite == COUNT,
+       "%d triangles with NaN or infinity hide none of %d others (%d of %d hits)", COUNT, COUNT,
+       wrong, hits);
+    scenes_release(&s);
+    scenes_release(&clean);
+}
+
+static double build_seconds(uint64_t seed, void (*make)(struct dice *, float (*)[3], uint32_t))
+{
+    enum { COUNT = 200000 };
+    double least = INFINITY;
+    for (int run = 0; run < 3; run++) {
+        struct scenes s;
+        struct dice d = dice_make(seed);
+        struct timespec a, b;
+        scenes_init(&s, 1, 1);
+        float(*v)[3] = soup_vertices(&s, COUNT);
+        for (uint32_t i = 0; i < COUNT; i++)
+            make(&d, v, i);
+        clock_gettime(CLOCK_THREAD_CPUTIME_ID, &a);
+        stage_of(&s, v, COUNT);
+        clock_gettime(CLOCK_THREAD_CPUTIME_ID, &b);
+        least = fmin(least, (double)(b.tv_sec - a.tv_sec) + 1e-9 * (double)(b.tv_nsec - a.tv_nsec));
+        scenes_release(&s);
+    }
+    return least;
+}
+
+static void clean_triangle(struct dice *d, float (*v)[3], uint32_t i)
+{
+    const vec3 at = soup_point(d, 1);
+    for (uint32_t k = 0; k < 3; k++)
+        vec3_store(v[3 * i + k], at + soup_point(d, 0.01));
+}
+
+static void same_triangle(struct dice *d, float (*v)[3], uint32_t i)
+{
+    if (i)
+        memcpy(v[3 * i], v[0], 3 * sizeof v[0]);
+    else
+        clean_triangle(d, v, i);
+}
+
+/* All but on one line, and from one end of the scene to the other. */
+static void sliver(struct dice *d, float (*v)[3], uint32_t i)
+{
+    const float y = (float)dice_range(d, -1e-6, 1e-6);
+    vec3_store(v[3 * i], vec3_make(-1, y, 0));
+    vec3_store(v[3 * i + 1], vec3_make(1, y, 0));
+    vec3_store(v[3 * i + 2], vec3_make(dice_float(d), y + 1e-7f, 0));
+}
+
+static void test_build_time(void)
+{
+    static const struct {
+        const char *name;
+        void (*make)(struct dice *, float (*)[3], uint32_t);
+    } kinds[] = {{"coincident triangles", same_triangle},
+                 {"slivers across each other", sliver},
+                 {"garbage", garbage_triangle}};
+    const double clean = build_seconds(1, clean_triangle);
+    for (size_t i = 0; i < countof(kinds); i++) {
+        const double seconds = build_seconds(2, kinds[i].make);
+        ok(seconds <= 3 * clean, "a tree of %s takes at most 3 times as long as others (%.2f)",
+           kinds[i].name, seconds / clean);
+    }
 }
 
 /* Sizes that halve: every split cuts off one triangle, until the builder stops that. */
@@ -306,6 +403,8 @@ int main(void)
     test_ties();
     test_coincident();
     test_garbage();
+    test_holes();
+    test_build_time();
     test_depth();
     test_determinism();
     return tap_done();

@@ -12,7 +12,7 @@ static struct arena arena;
 #define B "bbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbb"
 #define C "cccccccccccccccccccccccccccccccccccccccccccccccccccccccccccccccc"
 
-static const char hex[][HASH_HEX] = {A, B, C};
+static const char hex[][HASH_HEX] = {A, B, C, B, A};
 
 #define HEAD                                                                                       \
     "{\"smalti\": 1, \"film\" : {\"width\": 64.0, \"height\": 4.8E1},\n \"camera\": {\"type\": "   \
@@ -60,8 +60,8 @@ int main(void)
                   "\"file\": \"1.obj\"}, " SPHERE ", {\"type\": \"mesh\", \"file\": \"2.ply\", "
                   "\"material\": \"file\"}], \"lights\": []}",
              HEAD ": [" SPHERE ", " INLINE ", {\"type\": \"mesh\", \"material\": \"file\", "
-                  "\"asset\": \"" B "\", \"format\": \"obj\"}, " SPHERE ", {\"type\": \"mesh\", "
-                  "\"asset\": \"" C "\", \"format\": \"ply\", \"material\": \"file\"}], "
+                  "\"asset\": \"" C "\", \"format\": \"obj\"}, " SPHERE ", {\"type\": \"mesh\", "
+                  "\"asset\": \"" A "\", \"format\": \"ply\", \"material\": \"file\"}], "
                   "\"lights\": []}"),
        "each mesh gets its own, those without a file none");
     arena_release(&arena);

@@ -66,6 +66,35 @@ static void reads_beside(struct arena *arena)
        "what is sent names the asset and is a document for a coordinator");
 }
 
+/* One mesh for the shapes that name it, before it is sent and after. */
+static void unites_meshes(struct arena *arena)
+{
+#define NEXT(mesh) "}, {\"type\": \"mesh\", \"material\": \"m\", " mesh
+#define PART(name) "\"file\": \"" name "\""
+    static const uint32_t want[] = {0, 1, 0, 2, 1, 0};
+    struct scene_disk d;
+    struct scene sent;
+    struct scene_errors errors;
+    uint32_t unread = 9;
+    write_file("part.obj", triangle);
+    write_file("other.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+    const char *path = scene_with(PART("part.obj") NEXT(PART("other.obj")) NEXT(PART("part.obj"))
+                                      NEXT("\"vertices\": [[0,0,0],[1,0,0],[0,1,0]], "
+                                           "\"triangles\": [[0,1,2]]") NEXT(PART("other.obj"))
+                                          NEXT(PART("part.obj")));
+    bool good = scene_disk_open(&d, path, arena, &errors) &&
+                scene_disk_load(&d, arena, &unread, &errors) && d.scene.mesh_count == 3;
+    const char *json = good ? scene_disk_send(&d, arena) : "";
+    good = good && scene_parse(&sent, json, strlen(json), SCENE_FROM_NET, arena, &errors) &&
+           sent.mesh_count == 3;
+    for (uint32_t i = 0; good && i < countof(want); i++)
+        good =
+            d.scene.shapes[i + 1].mesh.mesh == want[i] && sent.shapes[i + 1].mesh.mesh == want[i];
+    ok(good && d.scene.meshes[0].triangle_count == 1 && d.scene.meshes[1].triangle_count == 2 &&
+           !strcmp(sent.meshes[1].asset, d.assets[1].hex),
+       "shapes that name the same file, and then the same asset, have one mesh");
+}
+
 static void says_what_is_wrong(struct arena *arena)
 {
     struct scene_disk d;
@@ -91,6 +120,7 @@ int main(void)
     if (!mkdtemp(dir))
         return 1;
     reads_beside(&arena);
+    unites_meshes(&arena);
     says_what_is_wrong(&arena);
     arena_release(&arena);
     char command[128];

@@ -1,0 +1,179 @@
+/* Hits are the same bits whatever finds them and whoever compiled it: the eight-wide tree and the
+ * plain one; closest and any; and against tests/golden/hits.txt, which is the same file for all
+ * compilers and levels of optimisation. SPDX-License-Identifier: MIT */
+#include "common/trace/bvh.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "bench/meshes.h"
+#include "common/hash.h"
+#include "tests/crowd.h"
+#include "tests/oracle_bvh.h"
+#include "tests/soup.h"
+#include "tests/stat.h"
+#include "tests/tap.h"
+
+#define GOLDEN "tests/golden/hits.txt"
+
+static vec3 point_between(struct dice *d, const float bounds[2][3], float more)
+{
+    vec3 p = {0};
+    for (int k = 0; k < 3; k++) {
+        const float width = bounds[1][k] - bounds[0][k];
+        p[k] = bounds[0][k] - more * width + (1 + 2 * more) * width * dice_float(d);
+    }
+    return p;
+}
+
+/* A third each: anywhere, at a triangle's inside, at a vertex or along an axis. One in eight ends.
+ */
+static struct ray random_ray(struct dice *d, const struct stage *s)
+{
+    const struct stage_block *blocks = stage_at(s, s->blocks);
+    const uint32_t lane = STAGE_LANES * (dice_bits(d) % (uint32_t)s->blocks.count);
+    const struct stage_triangle t = stage_block_lane(&blocks[lane / STAGE_LANES], 0);
+    const vec3 origin = point_between(d, s->bounds, dice_bits(d) & 1 ? 1 : 0);
+    const uint32_t kind = dice_bits(d) % 6;
+    const float u = kind > 3 ? 1 : dice_float(d), v = kind > 3 ? 0 : dice_float(d) * (1 - u);
+    vec3 dir = point_between(d, s->bounds, 1) - origin;
+    if (kind > 1)
+        dir = vec3_load(t.v[0]) * (1 - u - v) + vec3_load(t.v[1]) * u + vec3_load(t.v[2]) * v -
+              origin;
+    if (kind == 5)
+        dir[dice_bits(d) % 3] = 0;
+    return (struct ray){origin, dir, dice_bits(d) % 8 ? INFINITY : (float)dice_range(d, 0, 2)};
+}
+
+struct tally {
+    uint32_t rays, hits, wrong, wrong_any;
+};
+
+static void compare(const struct stage *s, uint64_t seed, uint32_t rays, struct tally *n)
+{
+    struct oracle o;
+    struct dice d = dice_make(seed);
+    oracle_make(&o, s);
+    for (uint32_t i = 0; i < rays; i++) {
+        const struct ray ray = random_ray(&d, s);
+        struct ray_hit wide = {0}, plain = {0};
+        const bool hit = bvh_hit_closest(s, &ray, &wide);
+        n->rays++;
+        n->hits += hit;
+        n->wrong +=
+            hit != oracle_closest(&o, &ray, &plain) || memcmp(&wide, &plain, sizeof wide) != 0;
+        n->wrong_any += bvh_hit_any(s, &ray) != hit || oracle_any(&o, &ray) != hit;
+    }
+    oracle_release(&o);
+}
+
+static void judge(const struct tally *n, const char *what)
+{
+    ok(n->hits > n->rays / 4 && n->wrong == 0,
+       "%s: %u of %u rays hit, as the plain tree has it, bit by bit (%u not)", what, n->hits,
+       n->rays, n->wrong);
+    ok(n->wrong_any == 0, "%s: any hit where there is a closest (%u not)", what, n->wrong_any);
+}
+
+static void test_meshes(void)
+{
+    for (enum meshes_kind kind = 0; kind < MESHES_KINDS; kind++) {
+        struct meshes m;
+        struct err err;
+        struct tally n = {0};
+        const uint32_t triangles = stat_is_long() ? 200000 : 20000;
+        if (!meshes_init(&m, kind, triangles, "../shared/assets", &err)) {
+            ok(false, "%s", err.text);
+            continue;
+        }
+        compare(scenes_stage(&m.scenes), 1 + (uint64_t)kind, stat_tries(30000, 1500000), &n);
+        judge(&n, m.what);
+        meshes_release(&m);
+    }
+}
+
+/* Spheres, discs and cylinders among meshes of all sizes, 1 km apart or in each other. */
+static void test_crowd(void)
+{
+    struct scenes s;
+    struct tally n = {0};
+    scenes_init(&s, 1, 1);
+    const uint32_t m = scenes_diffuse(&s, rgb_gray(0.5f));
+    crowd_add_others(&s, m, 5);
+    crowd_add(&s, m, &(struct crowd){.seed = 5, .uses = 40, .rings = 16, .reach = 1000});
+    compare(scenes_stage(&s), 9, stat_tries(30000, 1500000), &n);
+    judge(&n, "a crowd of shapes");
+    scenes_release(&s);
+}
+
+/* --- who compiled it --- */
+
+/* Neither libm nor a file: soup of exact numbers, and round shapes. */
+static const struct stage *plain_scene(struct scenes *s)
+{
+    enum { TRIANGLES = 3000 };
+    struct dice d = dice_make(77);
+    scenes_init(s, 1, 1);
+    const uint32_t m = scenes_diffuse(s, rgb_gray(0.5f));
+    float(*v)[3] = soup_vertices(s, TRIANGLES);
+    for (uint32_t i = 0; i < TRIANGLES; i++) {
+        const vec3 at = soup_point(&d, 1);
+        for (uint32_t k = 0; k < 3; k++)
+            vec3_store(v[3 * i + k], at + soup_point(&d, 0.1));
+    }
+    soup_mesh(s, m, v, TRIANGLES);
+    for (int i = 0; i < 40; i++) {
+        const float radius = (float)dice_range(&d, 0.02, 0.2);
+        scenes_sphere(s, m, soup_point(&d, 1), radius);
+        /* One call of the dice each: compilers differ in which argument they make first. */
+        const vec3 center = soup_point(&d, 1), normal = soup_point(&d, 1);
+        scenes_disc(s, m, center, normal, radius);
+        const vec3 from = soup_point(&d, 1);
+        scenes_cylinder(s, m, from, from + soup_point(&d, 1), radius);
+    }
+    return scenes_stage(s);
+}
+
+/* As bytes, little end first. */
+static void note(unsigned char out[16], const struct ray_hit *hit)
+{
+    uint32_t words[4] = {0, hit->prim, 0, 0};
+    memcpy(&words[0], &hit->t, sizeof hit->t);
+    memcpy(&words[2], &hit->u, sizeof hit->u);
+    memcpy(&words[3], &hit->v, sizeof hit->v);
+    for (int i = 0; i < 16; i++)
+        out[i] = (unsigned char)(words[i / 4] >> 8 * (i % 4));
+}
+
+static void test_golden(void)
+{
+    enum { RAYS = 50000 };
+    struct scenes s;
+    struct dice d = dice_make(78);
+    const struct stage *stage = plain_scene(&s);
+    unsigned char(*hits)[16] = (unsigned char(*)[16])arena_alloc(&s.arena, RAYS, 16, 1);
+    char found[HASH_HEX], golden[HASH_HEX] = "";
+    for (int i = 0; i < RAYS; i++) {
+        const struct ray ray = random_ray(&d, stage);
+        struct ray_hit hit = {0};
+        if (bvh_hit_closest(stage, &ray, &hit))
+            note(hits[i], &hit);
+    }
+    hash_hex(hits, RAYS * sizeof *hits, found);
+    FILE *file = fopen(GOLDEN, "r");
+    const bool read = file && fscanf(file, "%64s", golden) == 1;
+    if (file)
+        fclose(file);
+    if (!ok(read && !strcmp(found, golden), "50000 hits are the bits of " GOLDEN))
+        diag("found %s", found);
+    scenes_release(&s);
+}
+
+int main(void)
+{
+    test_meshes();
+    test_crowd();
+    test_golden();
+    return tap_done();
+}
