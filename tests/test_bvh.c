@@ -296,7 +296,7 @@ static void test_holes(void)
 static double build_seconds(uint64_t seed, void (*make)(struct dice *, float (*)[3], uint32_t))
 {
     enum { COUNT = 200000 };
-    double least = INFINITY;
+    double least = HUGE_VAL;
     for (int run = 0; run < 3; run++) {
         struct scenes s;
         struct dice d = dice_make(seed);

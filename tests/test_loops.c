@@ -69,7 +69,7 @@ struct run {
 
 static struct run run_of(void (*make)(struct scenes *, float), float gap, uint32_t spp)
 {
-    struct run r = {.seconds = INFINITY};
+    struct run r = {.seconds = HUGE_VAL};
     struct scenes s;
     make(&s, gap);
     const struct stage *stage = scenes_stage(&s);
