@@ -9,6 +9,7 @@
 
 #include "bench/meshes.h"
 #include "common/hash.h"
+#include "tests/catalog.h"
 #include "tests/crowd.h"
 #include "tests/oracle_bvh.h"
 #include "tests/soup.h"
@@ -29,11 +30,14 @@ static vec3 point_between(struct dice *d, const float bounds[2][3], float more)
 
 /* A third each: anywhere, at a triangle's inside, at a vertex or along an axis. One in eight ends.
  */
-static struct ray random_ray(struct dice *d, const struct stage *s)
+static struct stage_triangle any_triangle(struct dice *d, const struct stage *s)
 {
     const struct stage_block *blocks = stage_at(s, s->blocks);
-    const uint32_t lane = STAGE_LANES * (dice_bits(d) % (uint32_t)s->blocks.count);
-    const struct stage_triangle t = stage_block_lane(&blocks[lane / STAGE_LANES], 0);
+    return stage_block_lane(&blocks[dice_bits(d) % (uint32_t)s->blocks.count], 0);
+}
+
+static struct ray random_ray(struct dice *d, const struct stage *s, struct stage_triangle t)
+{
     const vec3 origin = point_between(d, s->bounds, dice_bits(d) & 1 ? 1 : 0);
     const uint32_t kind = dice_bits(d) % 6;
     const float u = kind > 3 ? 1 : dice_float(d), v = kind > 3 ? 0 : dice_float(d) * (1 - u);
@@ -56,7 +60,7 @@ static void compare(const struct stage *s, uint64_t seed, uint32_t rays, struct 
     struct dice d = dice_make(seed);
     oracle_make(&o, s);
     for (uint32_t i = 0; i < rays; i++) {
-        const struct ray ray = random_ray(&d, s);
+        const struct ray ray = random_ray(&d, s, any_triangle(&d, s));
         struct ray_hit wide = {0}, plain = {0};
         const bool hit = bvh_hit_closest(s, &ray, &wide);
         n->rays++;
@@ -109,20 +113,21 @@ static void test_crowd(void)
 
 /* --- who compiled it --- */
 
+enum { PLAIN_TRIANGLES = 3000 }; /* the first numbers */
+
 /* Neither libm nor a file: soup of exact numbers, and round shapes. */
 static const struct stage *plain_scene(struct scenes *s)
 {
-    enum { TRIANGLES = 3000 };
     struct dice d = dice_make(77);
     scenes_init(s, 1, 1);
     const uint32_t m = scenes_diffuse(s, rgb_gray(0.5f));
-    float(*v)[3] = soup_vertices(s, TRIANGLES);
-    for (uint32_t i = 0; i < TRIANGLES; i++) {
+    float(*v)[3] = soup_vertices(s, PLAIN_TRIANGLES);
+    for (uint32_t i = 0; i < PLAIN_TRIANGLES; i++) {
         const vec3 at = soup_point(&d, 1);
         for (uint32_t k = 0; k < 3; k++)
             vec3_store(v[3 * i + k], at + soup_point(&d, 0.1));
     }
-    soup_mesh(s, m, v, TRIANGLES);
+    soup_mesh(s, m, v, PLAIN_TRIANGLES);
     for (int i = 0; i < 40; i++) {
         const float radius = (float)dice_range(&d, 0.02, 0.2);
         scenes_sphere(s, m, soup_point(&d, 1), radius);
@@ -153,9 +158,16 @@ static void test_golden(void)
     struct dice d = dice_make(78);
     const struct stage *stage = plain_scene(&s);
     unsigned char(*hits)[16] = (unsigned char(*)[16])arena_alloc(&s.arena, RAYS, 16, 1);
+    /* By their numbers, so that the rays do not depend on the tree. */
+    struct stage_triangle *triangles =
+        arena_new(&s.arena, struct stage_triangle, stage->prim_count);
+    struct stage_id id;
+    for (uint64_t at = 0; catalog_next(stage, &at, &id);)
+        if (id.place.kind == STAGE_TRIANGLE)
+            triangles[id.prim] = stage_triangle_at(stage, id.place.index, id.instance);
     char found[HASH_HEX], golden[HASH_HEX] = "";
     for (int i = 0; i < RAYS; i++) {
-        const struct ray ray = random_ray(&d, stage);
+        const struct ray ray = random_ray(&d, stage, triangles[dice_bits(&d) % PLAIN_TRIANGLES]);
         struct ray_hit hit = {0};
         if (bvh_hit_closest(stage, &ray, &hit))
             note(hits[i], &hit);

@@ -7,16 +7,16 @@
 #include "tests/crowd.h"
 #include "tests/stat.h"
 #include "tests/tap.h"
-#include "tests/team.h"
+#include "tests/gang.h"
 
 /* The arena owns it. */
-static const struct stage *stage_of(const struct scene *scene, struct team *team,
+static const struct stage *stage_of(const struct scene *scene, struct gang *team,
                                     struct arena *arena)
 {
     struct arena scratch = {0};
     const struct stage *stage = NULL;
     struct err err;
-    const struct crew crew = team_crew(team);
+    const struct crew crew = gang_crew(team);
     if (!prep_stage(scene, team->threads ? &crew : NULL, arena, &scratch, &stage, &err)) {
         diag("%s", err.text);
         stage = NULL;
@@ -28,10 +28,10 @@ static const struct stage *stage_of(const struct scene *scene, struct team *team
 static void same_bytes(const struct scene *scene, const char *what)
 {
     struct arena first_arena = {0}, arena = {0};
-    struct team alone = {0};
+    struct gang alone = {0};
     const struct stage *first = stage_of(scene, &alone, &first_arena);
     for (uint32_t threads = 1; first && threads <= 3; threads++) {
-        struct team team = {.threads = threads, .seed = threads};
+        struct gang team = {.threads = threads, .seed = threads};
         const struct stage *s = stage_of(scene, &team, &arena);
         ok(s && s->bytes == first->bytes && memcmp(s, first, s->bytes) == 0 && team.tasks > 1,
            "%s: %u threads, %u tasks shuffled, the %.0f MB of none", what, threads, team.tasks,

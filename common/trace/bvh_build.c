@@ -10,13 +10,14 @@ enum {
     CHUNK = 64,         /* nodes of a part are kept in pieces of so many */
     PARTS_WANTED = 128, /* more or less: enough for any crew to share */
     PART_LEAST = 2048,  /* items; fewer are not worth a part */
+    PART_MOST = 8192,   /* items that one part may have in any case */
     REF_PART = 14,      /* a child that another part holds; index: which */
 };
 
 /* A leaf is split when its parts' surfaces are together less than so much of its own. */
 #define LEAF_SPLIT_GAIN 0.75f
 
-struct pending { /* a node to be made, and the child that will refer to it */
+struct pending {     /* a node to be made, and the child that will refer to it */
     uint32_t binary; /* in whose place */
     struct bvh_node *parent;
     uint32_t lane, depth;
@@ -157,7 +158,7 @@ struct bvh_plan bvh_plan_make(struct bvh_item *items, uint32_t count, const stru
         part_open(&top);
         plan.root = leaf_ref(&top, items, &top.range);
     } else {
-        build(&plan, &top, count / PARTS_WANTED);
+        build(&plan, &top, count > 2 * PART_MOST ? max_u32(count / PARTS_WANTED, PART_MOST) : 0);
         plan.root = bvh_ref_make(BVH_NODE, 0);
     }
     plan.parts[0] = top;

@@ -77,11 +77,11 @@ static bool settle_in_object(const struct bvh_query *q, const struct bvh_space *
     return own[0] <= own[1] && settle(q, own, t);
 }
 
+/* A copy's hit; and then in object space. */
 bool bvh_prim_in_instance(const struct bvh_query *q, const struct bvh_space *space, uint32_t index,
                           const struct stage_triangle *tri, float *t)
 {
-    *t = tri_plane_t(&q->tri, tri);
-    return *t > 0 && settle_in_object(q, space, index, t);
+    return bvh_prim_triangle(q, tri, t) && settle_in_object(q, space, index, t);
 }
 
 bool bvh_prim_round(const struct bvh_query *q, struct stage_place place, float *t, uint32_t *prim)

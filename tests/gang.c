@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "tests/team.h"
+#include "tests/gang.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -26,7 +26,7 @@ static void *help(void *user)
 
 static void run(void *user, crew_task *task, void *arg, uint32_t count)
 {
-    struct team *team = user;
+    struct gang *team = user;
     struct dice d = dice_make(team->seed);
     uint32_t *order = arena_malloc(count + 1, sizeof *order);
     for (uint32_t i = 0; i < count; i++) { /* Fisher and Yates, from the inside out */
@@ -45,7 +45,7 @@ static void run(void *user, crew_task *task, void *arg, uint32_t count)
     free(order);
 }
 
-struct crew team_crew(struct team *team)
+struct crew gang_crew(struct gang *team)
 {
     return (struct crew){run, team};
 }
