@@ -84,7 +84,7 @@ static void choose(const struct bvh_binary *b, struct bvh_binary_node *n)
     }
 }
 
-/* The first `room` children of what is in node n's place are written; how many there are. */
+/* The children of a wide node that node n's items make, `count` of them or fewer; how many. */
 static uint32_t collect(const struct bvh_binary *b, uint32_t n, uint32_t count,
                         uint32_t child[BVH_WIDTH])
 {

@@ -7,12 +7,13 @@
  * section 4.1). For each binary node and each count, the cost of its items as so many children of
  * one wide node or fewer:
  *
- *     cost(n, 1) = area(n) + cost of its items as eight children     (a wide node of its own; a leaf: area)
- *     cost(n, i) = the best way to give k children to the left, i - k to the right; or cost(n, i - 1)
+ *     cost(n, 1) = area(n) + cost of its items as eight children     (a wide node of its own; a
+ * leaf: area) cost(n, i) = the best way to give k children to the left, i - k to the right; or
+ * cost(n, i - 1)
  *
  * Areas are chances of being visited, and a visit of a node costs as much as one of a leaf: one
  * vector test. Splitting the widest child until there are eight, without looking further,
- * leaves nodes of two and three children near the leaves: a quarter more of them.
+ * leaves nodes of two and three children near the leaves: half as many nodes again.
  * SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_BVH_BINARY_H
 #define COMMON_TRACE_BVH_BINARY_H
@@ -41,11 +42,11 @@ static inline struct bvh_binary_node *bvh_binary_at(const struct bvh_binary *b, 
     return &b->chunks[i / BVH_BINARY_CHUNK][i % BVH_BINARY_CHUNK];
 }
 
-/* Whether a range of items needs no node: it is a leaf, or some other part's work (in `most` items or
- * fewer, but no fewer than `least`; most 0: there are no parts). */
+/* A range is not split further here when it is a leaf, or of so few items that another part does
+ * it. */
 struct bvh_binary_limits {
-    uint32_t depth; /* of the wide node that is being made */
-    uint32_t part_least, part_most;
+    uint32_t depth;                 /* of node 0 */
+    uint32_t part_least, part_most; /* items of a part; most 0: there are no parts */
 };
 
 bool bvh_binary_is_leaf(const struct bvh_range *);
