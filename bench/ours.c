@@ -83,9 +83,9 @@ int64_t ours_build(const struct stage *s)
 
 static double half_area(const float (*plane)[8], int lane)
 {
-    const double x = (double)plane[3][lane] - (double)plane[0][lane],
-                 y = (double)plane[4][lane] - (double)plane[1][lane],
-                 z = (double)plane[5][lane] - (double)plane[2][lane];
+    const double x = (double)plane[1][lane] - (double)plane[0][lane],
+                 y = (double)plane[3][lane] - (double)plane[2][lane],
+                 z = (double)plane[5][lane] - (double)plane[4][lane];
     return x * y + y * z + z * x;
 }
 

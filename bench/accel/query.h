@@ -62,7 +62,7 @@ static inline bool query_make(struct query *q, struct accel_mesh mesh,
     if (!mesh.count || !query_is_ray(ray))
         return false;
     *q = (struct query){.v = mesh.v, .tri = tri_ray_make(ray->origin, ray->dir)};
-    q->box = box_ray_make(ray->origin, ray->dir, q->tri.kz);
+    q->box = box_ray_make(ray->origin, ray->dir, q->tri.row[2] / STAGE_LANES);
     q->t_max = ray->t_max < FLT_MAX ? ray->t_max : FLT_MAX;
     q->best = (struct ray_hit){.t = q->t_max, .prim = STAGE_NONE};
     const vec3 o = ray->origin;

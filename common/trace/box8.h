@@ -26,14 +26,21 @@
 
 #define BOX8_PAD 0x1p-19f /* 32 u */
 
-enum { BOX8_PLANES = 6 }; /* low x, y, z, then high x, y, z */
+enum { BOX8_PLANES = 6 }; /* low x, high x, low y, high y, low z, high z */
 
+/* A ray made ready, its numbers eight times over. */
 struct box8_ray {
-    vec3 inv;       /* 1 / d */
-    vec3 near, far; /* origin / d, the origin moved by its error so that a box is met early,
-                     * left late */
-    const uint16_t
-        *planes; /* which it enters by along x, y, z, then leaves by: in floats from the first */
+    f32x8 inv[3];            /* 1 / d */
+    f32x8 near[3], far[3];   /* origin / d, the origin moved by its error so that a box is met
+                              * early, left late */
+    const uint16_t *planes; /* which it enters by along x, y, z, then leaves by: in floats from the
+                             * first */
+};
+
+/* By the signs of the direction, bit k for component k. */
+static const uint16_t box8_planes[8][6] = {
+    {0, 16, 32, 8, 24, 40}, {8, 16, 32, 0, 24, 40}, {0, 24, 32, 8, 16, 40}, {8, 24, 32, 0, 16, 40},
+    {0, 16, 40, 8, 24, 32}, {8, 16, 40, 0, 24, 32}, {0, 24, 40, 8, 16, 32}, {8, 24, 40, 0, 16, 32},
 };
 
 static inline float box8_reach(vec3 v)
@@ -44,24 +51,18 @@ static inline float box8_reach(vec3 v)
     return xy > z ? xy : z;
 }
 
-/* By the signs of the direction, bit k for component k. */
-static const uint16_t box8_planes[8][6] = {
-    {0, 8, 16, 24, 32, 40}, {24, 8, 16, 0, 32, 40}, {0, 32, 16, 24, 8, 40}, {24, 32, 16, 0, 8, 40},
-    {0, 8, 40, 24, 32, 16}, {24, 8, 40, 0, 32, 16}, {0, 32, 40, 24, 8, 16}, {24, 32, 40, 0, 8, 16},
-};
-
-/* longest: box8_reach(dir). error: of the origin and of everything that goes with it, along each
- * axis. */
-static inline void box8_ray_init(struct box8_ray *r, vec3 origin, vec3 dir, float longest,
-                                 vec3 error)
+/* error: of the origin and of everything that goes with it, along each axis. */
+static inline void box8_ray_init(struct box8_ray *r, vec3 origin, vec3 dir, vec3 error)
 {
-    const vec3 least = vec3_splat(0x1p-40f * longest), none = {0};
+    const vec3 least = vec3_splat(0x1p-40f * box8_reach(dir)), none = {0};
     const i32x4 back = dir < none;
     const vec3 inv = 1 / vec3_choose(vec3_abs(dir) < least, vec3_choose(back, -least, least), dir);
     const vec3 at = origin * inv, off = error * vec3_abs(inv);
-    r->inv = inv;
-    r->near = at + off;
-    r->far = at - off;
+    for (int k = 0; k < 3; k++) {
+        r->inv[k] = f32x8_splat(inv[k]);
+        r->near[k] = f32x8_splat((at + off)[k]);
+        r->far[k] = f32x8_splat((at - off)[k]);
+    }
     r->planes = box8_planes[i32x4_mask(back) & 7];
 }
 
@@ -70,42 +71,66 @@ static inline vec3 box8_error(vec3 origin)
     return vec3_splat(BOX8_PAD * box8_reach(origin));
 }
 
+/* Eight rays in the lanes, each with its origin's error (box8_error). */
+struct box8_rays {
+    _Alignas(32) float inv[3][8], near[3][8], far[3][8];
+    uint32_t negative[3]; /* bit i: this component of ray i's direction is below 0 */
+};
+
+static inline void box8_rays_init(struct box8_rays *r, const f32x8 origin[3], const f32x8 dir[3])
+{
+    f32x8 longest = f32x8_abs(dir[0]), reach = f32x8_abs(origin[0]);
+    for (int k = 1; k < 3; k++) {
+        longest = f32x8_max(f32x8_abs(dir[k]), longest);
+        reach = f32x8_max(f32x8_abs(origin[k]), reach);
+    }
+    const f32x8 least = 0x1p-40f * longest, error = BOX8_PAD * reach, none = {0};
+    for (int k = 0; k < 3; k++) {
+        const i32x8 back = dir[k] < none;
+        const f32x8 inv = 1 / f32x8_choose(f32x8_abs(dir[k]) < least,
+                                           f32x8_choose(back, -least, least), dir[k]);
+        const f32x8 at = origin[k] * inv, off = error * f32x8_abs(inv);
+        f32x8_store(r->inv[k], inv);
+        f32x8_store(r->near[k], at + off);
+        f32x8_store(r->far[k], at - off);
+        r->negative[k] = i32x8_mask(back);
+    }
+}
+
+static inline void box8_rays_take(const struct box8_rays *rays, uint32_t i, struct box8_ray *r)
+{
+    for (int k = 0; k < 3; k++) {
+        r->inv[k] = f32x8_splat(rays->inv[k][i]);
+        r->near[k] = f32x8_splat(rays->near[k][i]);
+        r->far[k] = f32x8_splat(rays->far[k][i]);
+    }
+    r->planes = box8_planes[(rays->negative[0] >> i & 1) | (rays->negative[1] >> i & 1) << 1 |
+                            (rays->negative[2] >> i & 1) << 2];
+}
+
 /* The planes of box `lane`, moved outwards. Monotone: a box inside another has planes inside. */
 static inline void box8_store(float plane[BOX8_PLANES][8], uint32_t lane, vec3 lo, vec3 hi)
 {
     const float a = box8_reach(lo), b = box8_reach(hi);
     const float pad = BOX8_PAD * (a > b ? a : b);
     for (int k = 0; k < 3; k++) {
-        plane[k][lane] = lo[k] - pad;
-        plane[k + 3][lane] = hi[k] + pad;
+        plane[2 * k][lane] = lo[k] - pad;
+        plane[2 * k + 1][lane] = hi[k] + pad;
     }
 }
 
-/* The ray's numbers eight times over, for a loop to keep in registers. */
-struct box8_wide {
-    f32x8 inv0, inv1, inv2, near0, near1, near2, far0, far1, far2;
-};
-
-static inline struct box8_wide box8_widen(const struct box8_ray *r)
-{
-    return (struct box8_wide){
-        f32x8_splat(r->inv[0]),  f32x8_splat(r->inv[1]),  f32x8_splat(r->inv[2]),
-        f32x8_splat(r->near[0]), f32x8_splat(r->near[1]), f32x8_splat(r->near[2]),
-        f32x8_splat(r->far[0]),  f32x8_splat(r->far[1]),  f32x8_splat(r->far[2]),
-    };
-}
-
 /* Bit i: the ray passes box i within [0, t_max]; near: where it enters, far: where it leaves. */
-static inline uint32_t box8_hit(const struct box8_ray *r, const struct box8_wide *w,
-                                const float (*plane)[8], float t_max, f32x8 *near, f32x8 *far)
+static inline uint32_t box8_hit(const struct box8_ray *r, const float (*plane)[8], float t_max,
+                                f32x8 *near, f32x8 *far)
 {
     const float *p = plane[0];
-    const f32x8 x0 = f32x8_fused(f32x8_fetch(p + r->planes[0]), w->inv0, w->near0);
-    const f32x8 y0 = f32x8_fused(f32x8_fetch(p + r->planes[1]), w->inv1, w->near1);
-    const f32x8 z0 = f32x8_fused(f32x8_fetch(p + r->planes[2]), w->inv2, w->near2);
-    const f32x8 x1 = f32x8_fused(f32x8_fetch(p + r->planes[3]), w->inv0, w->far0);
-    const f32x8 y1 = f32x8_fused(f32x8_fetch(p + r->planes[4]), w->inv1, w->far1);
-    const f32x8 z1 = f32x8_fused(f32x8_fetch(p + r->planes[5]), w->inv2, w->far2);
+    const f32x8 x = f32x8_fetch(r->inv[0]), y = f32x8_fetch(r->inv[1]), z = f32x8_fetch(r->inv[2]);
+    const f32x8 x0 = f32x8_fused(f32x8_load(p + r->planes[0]), x, r->near[0]);
+    const f32x8 y0 = f32x8_fused(f32x8_load(p + r->planes[1]), y, r->near[1]);
+    const f32x8 z0 = f32x8_fused(f32x8_load(p + r->planes[2]), z, r->near[2]);
+    const f32x8 x1 = f32x8_fused(f32x8_load(p + r->planes[3]), x, r->far[0]);
+    const f32x8 y1 = f32x8_fused(f32x8_load(p + r->planes[4]), y, r->far[1]);
+    const f32x8 z1 = f32x8_fused(f32x8_load(p + r->planes[5]), z, r->far[2]);
     const f32x8 none = {0};
     *near = f32x8_max(x0, f32x8_max(y0, f32x8_max(z0, none)));
     *far = f32x8_min(x1, f32x8_min(y1, f32x8_min(z1, f32x8_splat(t_max))));

@@ -70,6 +70,12 @@ _Static_assert(sizeof(struct stage_block) == 5 * BVH_LINE, "five cache lines");
 bool bvh_hit_closest(const struct stage *, const struct ray *, struct ray_hit *);
 bool bvh_hit_any(const struct stage *, const struct ray *);
 
+/* The same of up to eight rays, for less: bit i of what is returned: ray i hits something, and
+ * hits[i] says what; the others are not written. */
+uint32_t bvh_hit_closest_8(const struct stage *, const struct ray rays[], uint32_t count,
+                           struct ray_hit hits[]);
+uint32_t bvh_hit_any_8(const struct stage *, const struct ray rays[], uint32_t count);
+
 /* The hit of one primitive alone, the one that hit->prim, place and instance name; t, u and v are
  * written. */
 bool bvh_hit_prim(const struct stage *, const struct ray *, struct ray_hit *hit);

@@ -6,7 +6,7 @@
 struct best {
     float t;
     uint32_t prim;
-    struct tri_edges edges; /* of a triangle */
+    vec3 edges; /* struct tri_edges of a triangle, written and read as one */
     struct stage_place place;
     uint32_t instance;
 };
@@ -36,9 +36,8 @@ static inline uint32_t root_of(const struct stage *s, uint32_t tree)
 /* --- a leaf --- */
 
 struct lanes {                            /* of a block */
-    _Alignas(32) float e[3][STAGE_LANES]; /* when any is met */
-    uint32_t met;                         /* bit i: tri_meets holds, or may hold */
-    uint32_t doubt; /* of those: an edge function is 0, so that the exact one must decide; or NaN */
+    _Alignas(32) float e[3][STAGE_LANES]; /* tri_edges */
+    uint32_t met;                         /* bit i: tri_meets may hold, and t be in (0, t_max] */
 };
 
 /* A node or a block. */
@@ -47,55 +46,94 @@ static inline const void *data_at(const struct bvh_query *q, uint32_t ref)
     return q->first + (size_t)BVH_LINE * bvh_ref_index(ref);
 }
 
-/* Eight triangles by the arithmetic of tri_edges_make, operation by operation. */
-static inline __attribute__((always_inline)) void
-lanes_make(const struct tri_ray *r, const float (*v)[3][STAGE_LANES], struct lanes *out)
-{
-    const float *px = v[0][r->kx], *py = v[0][r->ky], *pz = v[0][r->kz];
-    const size_t next = sizeof v[0] / sizeof *px; /* vertex */
-    f32x8 z = f32x8_load(pz) - r->oz;
-    const f32x8 ax = (f32x8_load(px) - r->ox) - r->sx * z;
-    const f32x8 ay = (f32x8_load(py) - r->oy) - r->sy * z;
-    z = f32x8_load(pz + next) - r->oz;
-    const f32x8 bx = (f32x8_load(px + next) - r->ox) - r->sx * z;
-    const f32x8 by = (f32x8_load(py + next) - r->oy) - r->sy * z;
-    z = f32x8_load(pz + 2 * next) - r->oz;
-    const f32x8 cx = (f32x8_load(px + 2 * next) - r->ox) - r->sx * z;
-    const f32x8 cy = (f32x8_load(py + 2 * next) - r->oy) - r->sy * z;
-    const f32x8 e0 = cx * by - cy * bx, e1 = ax * cy - ay * cx, e2 = bx * ay - by * ax;
-    const f32x8 least = f32x8_min(e0, f32x8_min(e1, e2)), most = f32x8_max(e0, f32x8_max(e1, e2));
-    const f32x8 none = {0};
-    out->met = i32x8_mask((least >= none) | (most <= none));
-    if (!out->met)
-        return;
-    const f32x8 det = e0 + e1 + e2;
-    out->doubt = out->met & ~i32x8_mask(((least > none) | (most < none)) & (det == det));
-    f32x8_store(out->e[0], e0);
-    f32x8_store(out->e[1], e1);
-    f32x8_store(out->e[2], e2);
-}
-
 /* Lanes whose hit, which lies within their triangle's own box (settle), cannot lie within (0,
  * t_max], as the axis in which the ray is longest shows: box_hit's error is 10 u of the reach
- * there, and 5 u are its roundings and those made here. For triangles of the world. A NaN keeps its
- * lane. */
-static inline uint32_t lanes_beyond(const struct bvh_query *q, const struct stage_block *b,
+ * there, and 5 u are its roundings and those made here. For triangles of the world; az, bz, cz:
+ * the vertices from the origin along that axis. A NaN keeps its lane. */
+static inline uint32_t lanes_beyond(const struct tri_ray *r, f32x8 az, f32x8 bz, f32x8 cz,
                                     float t_max)
 {
-    const float *pz = b->v[0][q->tri.kz];
-    const size_t next = sizeof b->v[0] / sizeof *pz;
-    const f32x8 t0 = (f32x8_load(pz) - q->tri.oz) * q->inv_z;
-    const f32x8 t1 = (f32x8_load(pz + next) - q->tri.oz) * q->inv_z;
-    const f32x8 t2 = (f32x8_load(pz + 2 * next) - q->tri.oz) * q->inv_z;
+    const f32x8 inv = f32x8_splat(r->shear[3]);
+    const f32x8 t0 = az * inv, t1 = bz * inv, t2 = cz * inv;
     const f32x8 least = f32x8_min(t0, f32x8_min(t1, t2)), most = f32x8_max(t0, f32x8_max(t1, t2));
     const float room = 16 * ROUND_UNIT;
     return i32x8_mask((most < room * least) | (least - room * most > f32x8_splat(t_max)));
 }
 
-/* The vertices as xform_point makes them. */
-static __attribute__((noinline)) void lanes_make_in_instance(const struct bvh_query *q,
+/* Eight triangles by the arithmetic of tri_edges_make, operation by operation, but for edge
+ * functions that are 0. False: none is met; then the edges are not written. */
+static inline __attribute__((always_inline)) bool lanes_make(const struct tri_ray *r,
+                                                             const float (*v)[3][STAGE_LANES],
+                                                             float t_max, struct lanes *out)
+{
+    const float *px = v[0][0] + (uint32_t)r->row[0], *py = v[0][0] + (uint32_t)r->row[1],
+                *pz = v[0][0] + (uint32_t)r->row[2];
+    const size_t next = sizeof v[0] / sizeof *px; /* vertex */
+    const f32x8 ox = f32x8_splat(r->at[0]), oy = f32x8_splat(r->at[1]), oz = f32x8_splat(r->at[2]);
+    const f32x8 sx = f32x8_splat(r->shear[0]), sy = f32x8_splat(r->shear[1]);
+    const f32x8 az = f32x8_load(pz) - oz;
+    const f32x8 ax = (f32x8_load(px) - ox) - sx * az;
+    const f32x8 ay = (f32x8_load(py) - oy) - sy * az;
+    const f32x8 bz = f32x8_load(pz + next) - oz;
+    const f32x8 bx = (f32x8_load(px + next) - ox) - sx * bz;
+    const f32x8 by = (f32x8_load(py + next) - oy) - sy * bz;
+    const f32x8 cz = f32x8_load(pz + 2 * next) - oz;
+    const f32x8 cx = (f32x8_load(px + 2 * next) - ox) - sx * cz;
+    const f32x8 cy = (f32x8_load(py + 2 * next) - oy) - sy * cz;
+    const f32x8 e0 = cx * by - cy * bx, e1 = ax * cy - ay * cx, e2 = bx * ay - by * ax;
+    const f32x8 least = f32x8_min(e0, f32x8_min(e1, e2)), most = f32x8_max(e0, f32x8_max(e1, e2));
+    const f32x8 none = {0};
+    out->met = i32x8_mask((least >= none) | (most <= none));
+    if (!out->met)
+        return false;
+    out->met &= ~lanes_beyond(r, az, bz, cz, t_max);
+    if (!out->met)
+        return false;
+    f32x8_store(out->e[0], e0);
+    f32x8_store(out->e[1], e1);
+    f32x8_store(out->e[2], e2);
+    return true;
+}
+
+/* An edge function that is 0 is made exactly; who gets here by a NaN or without need finds what
+ * lanes_make had. False: the triangle is not met. */
+static __attribute__((noinline)) bool lane_edges_exact(const struct bvh_query *q, uint32_t index,
+                                                       uint32_t instance, struct tri_edges *e)
+{
+    const struct stage_triangle tri = stage_triangle_at(q->stage, index, instance);
+    *e = tri_edges_make(&q->tri, &tri);
+    return tri_meets(*e);
+}
+
+/* Whether a lane's triangle is met, and its edge functions. */
+static inline bool lane_edges(const struct bvh_query *q, const struct lanes *lanes, uint32_t index,
+                              uint32_t instance, struct tri_edges *e)
+{
+    const uint32_t lane = index % STAGE_LANES;
+    *e = (struct tri_edges){lanes->e[0][lane], lanes->e[1][lane], lanes->e[2][lane]};
+    const float all = e->e0 * e->e1 * e->e2;
+    return __builtin_expect(all < 0 || all > 0, 1) || lane_edges_exact(q, index, instance, e);
+}
+
+/* Of a triangle of the world; all out of the loop's way. */
+static __attribute__((noinline)) float lane_t(const struct bvh_query *q,
+                                              const struct stage_block *b, uint32_t lane)
+{
+    const struct stage_triangle tri = stage_block_lane(b, lane);
+    return bvh_prim_triangle(q, &tri);
+}
+
+/* The nearer one, among equals the one with the smaller number. */
+static inline bool is_nearer(const struct best *best, float t, uint32_t prim)
+{
+    return t < best->t || (t == best->t && prim < best->prim);
+}
+
+/* The same of a mesh inside an instance, its vertices as xform_point makes them. */
+static __attribute__((noinline)) bool lanes_make_in_instance(const struct bvh_query *q,
                                                              const struct stage_block *b,
-                                                             uint32_t instance, struct lanes *out)
+                                                             uint32_t instance, float t_max,
+                                                             struct lanes *out)
 {
     const struct stage_instance *of = stage_instance_at(q->stage, instance);
     const float(*m)[4] = of->to_world.m;
@@ -107,76 +145,52 @@ static __attribute__((noinline)) void lanes_make_in_instance(const struct bvh_qu
             f32x8_store(world[of->mirrored ? (3 - i) % 3 : i][k],
                         m[k][0] * x + m[k][1] * y + m[k][2] * z + m[k][3]);
     }
-    lanes_make(&q->tri, (const float(*)[3][STAGE_LANES])world, out);
+    return lanes_make(&q->tri, (const float(*)[3][STAGE_LANES])world, t_max, out);
 }
 
-/* The nearer one, among equals the one with the smaller number. */
-static inline bool is_nearer(const struct best *best, float t, uint32_t prim)
+static __attribute__((noinline)) float
+lane_t_in_instance(const struct bvh_query *q, const struct bvh_space *inside, uint32_t index)
 {
-    return t < best->t || (t == best->t && prim < best->prim);
+    const struct stage_triangle tri = stage_triangle_at(q->stage, index, inside->instance);
+    return bvh_prim_in_instance(q, inside, index, &tri);
 }
 
-/* Lane by lane what lanes_make has left. any: the first hit will do. True: it has been found. */
+/* inside: NULL in the world. any: the first hit will do. True: it has been found. */
 static inline __attribute__((always_inline)) bool
-lanes_hit(const struct bvh_query *q, const struct bvh_space *space, const struct stage_block *b,
-          const struct lanes *lanes, bool any, bool instanced, struct best *best)
-{
-    for (uint32_t met = lanes->met; met; met &= met - 1) {
-        const uint32_t lane = (uint32_t)__builtin_ctz(met);
-        const uint32_t index = STAGE_LANES * (uint32_t)(b - q->blocks) + lane;
-        const struct stage_triangle tri = instanced
-                                              ? stage_triangle_at(q->stage, index, space->instance)
-                                              : stage_block_lane(b, lane);
-        const bool doubt = __builtin_expect(lanes->doubt >> lane & 1, 0);
-        float t;
-        if (doubt && !tri_meets(tri_edges_make(&q->tri, &tri)))
-            continue;
-        if (!(instanced ? bvh_prim_in_instance(q, space, index, &tri, &t)
-                        : bvh_prim_triangle(q, &tri, &t)))
-            continue;
-        if (any)
-            return true;
-        const uint32_t prim = space->prim_begin + b->prim[lane];
-        if (!is_nearer(best, t, prim))
-            continue;
-        best->t = t;
-        best->prim = prim;
-        best->place = (struct stage_place){STAGE_TRIANGLE, index & 0x1fffffff};
-        best->instance = space->instance;
-        best->edges =
-            doubt ? tri_edges_make(&q->tri, &tri)
-                  : (struct tri_edges){lanes->e[0][lane], lanes->e[1][lane], lanes->e[2][lane]};
-    }
-    return false;
-}
-
-static inline __attribute__((always_inline)) bool block_hit(const struct bvh_query *q,
-                                                            const struct bvh_space *space,
-                                                            const struct stage_block *b, bool any,
-                                                            bool instanced, struct best *best)
+block_hit(const struct bvh_query *q, const struct bvh_space *inside, const struct stage_block *b,
+          bool any, struct best *best)
 {
     struct lanes lanes;
-    if (instanced)
-        lanes_make_in_instance(q, b, space->instance, &lanes);
-    else
-        lanes_make(&q->tri, b->v, &lanes);
-    if (!lanes.met)
+    if (!(inside ? lanes_make_in_instance(q, b, inside->instance, best->t, &lanes)
+                 : lanes_make(&q->tri, b->v, best->t, &lanes)))
         return false;
-    if (!instanced)
-        lanes.met &= ~lanes_beyond(q, b, best->t);
-    return lanes_hit(q, space, b, &lanes, any, instanced, best);
+    for (uint32_t met = lanes.met; met; met &= met - 1) {
+        const uint32_t lane = (uint32_t)__builtin_ctz(met);
+        const uint32_t index = STAGE_LANES * (uint32_t)(b - q->blocks) + lane;
+        const uint32_t instance = inside ? inside->instance : STAGE_NONE;
+        const float t = inside ? lane_t_in_instance(q, inside, index) : lane_t(q, b, lane);
+        if (!(t > 0))
+            continue;
+        const uint32_t prim = b->prim[lane] + (inside ? inside->prim_begin : 0);
+        struct tri_edges e;
+        if ((!any && !is_nearer(best, t, prim)) || !lane_edges(q, &lanes, index, instance, &e))
+            continue;
+        *best = (struct best){t, prim, {e.e0, e.e1, e.e2}, {STAGE_TRIANGLE, index & 0x1fffffff}, instance};
+        if (any)
+            return true;
+    }
+    return false;
 }
 
 static bool round_ref_hit(const struct bvh_query *q, uint32_t ref, bool any, struct best *best)
 {
     const struct stage_place place = {(bvh_ref_kind(ref) - BVH_BLOCK) & 7,
                                       bvh_ref_index(ref) & 0x1fffffff};
-    float t;
     uint32_t prim;
-    if (!bvh_prim_round(q, place, &t, &prim))
+    const float t = bvh_prim_round(q, place, &prim);
+    if (!(t > 0) || (!any && !is_nearer(best, t, prim)))
         return false;
-    if (!any && is_nearer(best, t, prim))
-        *best = (struct best){t, prim, {1, 0, 0}, place, STAGE_NONE};
+    *best = (struct best){t, prim, {1, 0, 0}, place, STAGE_NONE};
     return any;
 }
 
@@ -235,24 +249,23 @@ static inline __attribute__((always_inline)) uint32_t nearest_child(const struct
     return (uint32_t)first;
 }
 
-static bool instance_hit(const struct bvh_query *, const struct bvh_space *world, uint32_t instance,
+static bool instance_hit(const struct bvh_query *, const struct box8_ray *world, uint32_t instance,
                          bool any, struct best *);
 
-/* any: the first hit will do, in no order. True: it has been found. Inlined, so that there is one
- * loop for each answer. */
+/* inside: the instance whose tree it is, or NULL. any: the first hit will do, in no order. True: it
+ * has been found. Inlined, so that there is one loop for each answer. */
 static inline __attribute__((always_inline)) bool walk(const struct bvh_query *q,
-                                                       const struct bvh_space *space, uint32_t ref,
-                                                       bool any, bool instanced, struct best *best)
+                                                       const struct box8_ray *box,
+                                                       const struct bvh_space *inside, uint32_t ref,
+                                                       bool any, struct best *best)
 {
-    const struct box8_wide wide = box8_widen(&space->box);
     entry stack[BVH_STACK];
     uint32_t waiting = 0;
     for (;;) {
-        while (bvh_ref_kind(ref) == BVH_NODE) {
+        while (ref < bvh_ref_make(BVH_NODE + 1, 0)) {
             const struct bvh_node *node = data_at(q, ref);
             f32x8 near, far;
-            uint32_t hits =
-                box8_hit(&space->box, &wide, node->plane, best->t, &near, &far) & node->used;
+            uint32_t hits = box8_hit(box, node->plane, best->t, &near, &far) & node->used;
             if (!hits)
                 goto next;
             if (!any) {
@@ -267,12 +280,12 @@ static inline __attribute__((always_inline)) bool walk(const struct bvh_query *q
             }
         }
         if (bvh_ref_kind(ref) == BVH_BLOCK) {
-            if (block_hit(q, space, data_at(q, ref), any, instanced, best))
+            if (block_hit(q, inside, data_at(q, ref), any, best))
                 return true;
-        } else if (instanced) {
+        } else if (inside) {
             __builtin_unreachable(); /* a shared mesh has only triangles */
         } else if (bvh_ref_kind(ref) == BVH_INSTANCE) {
-            if (instance_hit(q, space, bvh_ref_index(ref), any, best))
+            if (instance_hit(q, box, bvh_ref_index(ref), any, best))
                 return true;
         } else if (round_ref_hit(q, ref, any, best)) {
             return true;
@@ -289,42 +302,125 @@ static inline __attribute__((always_inline)) bool walk(const struct bvh_query *q
 }
 
 static __attribute__((noinline)) bool instance_hit(const struct bvh_query *q,
-                                                   const struct bvh_space *world, uint32_t instance,
+                                                   const struct box8_ray *world, uint32_t instance,
                                                    bool any, struct best *best)
 {
     struct bvh_space space;
     if (!bvh_space_make(q, world, instance, &space))
         return false;
     const uint32_t root = root_of(q->stage, stage_instance_at(q->stage, instance)->tree);
-    return any ? walk(q, &space, root, true, true, best) : walk(q, &space, root, false, true, best);
+    return any ? walk(q, &space.box, &space, root, true, best)
+               : walk(q, &space.box, &space, root, false, best);
 }
 
 /* In the world. True: something has been found. */
-static inline __attribute__((always_inline)) bool ask(const struct stage *s, const struct ray *ray,
-                                                      bool any, struct best *best)
+static inline __attribute__((always_inline)) bool
+ask(const struct bvh_query *q, const struct box8_ray *world, uint32_t root, bool any,
+    struct best *best)
 {
-    struct bvh_query q;
-    struct bvh_space world;
-    const uint32_t root = root_of(s, 0);
-    if (root == bvh_ref_make(BVH_NOTHING, 0) || !bvh_query_make(s, ray, &q))
-        return false;
-    bvh_world_make(&q, &world);
-    *best = (struct best){.t = q.t_max, .prim = STAGE_NONE};
-    return walk(&q, &world, root, any, false, best) || best->prim != STAGE_NONE;
+    best->t = q->t_max;
+    best->prim = STAGE_NONE;
+    return walk(q, world, NULL, root, any, best) || best->prim != STAGE_NONE;
+}
+
+static inline void tell(const struct best *best, struct ray_hit *hit)
+{
+    *hit = (struct ray_hit){best->t, best->prim, 0, 0, best->place, best->instance};
+    const vec3 e = best->edges;
+    tri_weights((struct tri_edges){e[0], e[1], e[2]}, &hit->u, &hit->v);
 }
 
 bool bvh_hit_closest(const struct stage *s, const struct ray *ray, struct ray_hit *hit)
 {
+    struct bvh_query q;
+    struct box8_ray world;
     struct best best;
-    if (!ask(s, ray, false, &best))
+    const uint32_t root = root_of(s, 0);
+    if (root == bvh_ref_make(BVH_NOTHING, 0) || !bvh_query_make(s, ray, &q, &world) ||
+        !ask(&q, &world, root, false, &best))
         return false;
-    *hit = (struct ray_hit){best.t, best.prim, 0, 0, best.place, best.instance};
-    tri_weights(best.edges, &hit->u, &hit->v);
+    tell(&best, hit);
     return true;
 }
 
 bool bvh_hit_any(const struct stage *s, const struct ray *ray)
 {
+    struct bvh_query q;
+    struct box8_ray world;
     struct best best;
-    return ask(s, ray, true, &best);
+    const uint32_t root = root_of(s, 0);
+    return root != bvh_ref_make(BVH_NOTHING, 0) && bvh_query_make(s, ray, &q, &world) &&
+           ask(&q, &world, root, true, &best);
+}
+
+/* --- up to eight --- */
+
+struct batch { /* made ready at once */
+    struct bvh_query query;
+    struct box8_ray world;
+    struct tri_rays tri;
+    struct box8_rays box;
+};
+
+static void batch_init(struct batch *b, const struct stage *s, const struct ray rays[],
+                       uint32_t count)
+{
+    vec3 origin[8], dir[8];
+    f32x8 o[3], d[3];
+    for (uint32_t i = 0; i < 8; i++) {
+        const struct ray *ray = &rays[i < count ? i : 0];
+        origin[i] = ray->origin;
+        dir[i] = ray->dir;
+    }
+    f32x8_columns(origin, o);
+    f32x8_columns(dir, d);
+    tri_rays_make(o, d, &b->tri);
+    box8_rays_init(&b->box, o, d);
+    b->query.stage = s;
+    b->query.first = stage_at(s, s->nodes);
+    b->query.blocks = stage_at(s, s->blocks);
+}
+
+/* False: nothing can be hit. */
+static inline bool batch_go(struct batch *b, const struct ray *ray, uint32_t i)
+{
+    b->query.tri =
+        (struct tri_ray){ray->origin, ray->dir, b->tri.row[i], b->tri.at[i], b->tri.shear[i]};
+    b->query.t_max = ray->t_max < FLT_MAX ? ray->t_max : FLT_MAX;
+    box8_rays_take(&b->box, i, &b->world);
+    return bvh_is_ray(ray) && b->query.tri.shear[2] == 1;
+}
+
+uint32_t bvh_hit_closest_8(const struct stage *s, const struct ray rays[], uint32_t count,
+                           struct ray_hit hits[])
+{
+    const uint32_t root = root_of(s, 0);
+    struct batch b;
+    struct best best;
+    uint32_t found = 0;
+    if (root == bvh_ref_make(BVH_NOTHING, 0))
+        return 0;
+    batch_init(&b, s, rays, count);
+    for (uint32_t i = 0; i < count; i++) {
+        if (!batch_go(&b, &rays[i], i) || !ask(&b.query, &b.world, root, false, &best))
+            continue;
+        tell(&best, &hits[i]);
+        found |= 1u << i;
+    }
+    return found;
+}
+
+uint32_t bvh_hit_any_8(const struct stage *s, const struct ray rays[], uint32_t count)
+{
+    const uint32_t root = root_of(s, 0);
+    struct batch b;
+    struct best best;
+    uint32_t found = 0;
+    if (root == bvh_ref_make(BVH_NOTHING, 0))
+        return 0;
+    batch_init(&b, s, rays, count);
+    for (uint32_t i = 0; i < count; i++)
+        if (batch_go(&b, &rays[i], i) && ask(&b.query, &b.world, root, true, &best))
+            found |= 1u << i;
+    return found;
 }

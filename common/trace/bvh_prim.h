@@ -16,11 +16,10 @@ struct bvh_query {
     const unsigned char *first; /* node */
     const struct stage_block *blocks;
     struct tri_ray tri;
-    float inv_z; /* 1 / the ray's direction along the axis in which it is longest */
     float t_max; /* the ray's, finite */
 };
 
-/* The tree that is walked: the world's (instance STAGE_NONE) or an instance's in its space. */
+/* The inside of an instance: its tree is walked in object space. */
 struct bvh_space {
     struct box8_ray box;
     uint32_t instance;
@@ -28,69 +27,66 @@ struct bvh_space {
     float t[2];          /* where the ray enters and leaves the instance's box in the world */
 };
 
-/* False when nothing can be hit: a ray that is no ray. */
-static inline bool bvh_query_make(const struct stage *s, const struct ray *ray, struct bvh_query *q)
+/* Whether anything can be hit. */
+static inline bool bvh_is_ray(const struct ray *ray)
 {
     const vec3 o = ray->origin, d = ray->dir;
     const vec3 zero = (o - o) + (d - d); /* a NaN for an infinity, too */
-    if ((i32x4_mask(zero == 0) & 7) != 7 || !(ray->t_max > 0))
+    return (i32x4_mask(zero == 0) & 7) == 7 && ray->t_max > 0;
+}
+
+/* False when nothing can be hit. */
+static inline bool bvh_query_make(const struct stage *s, const struct ray *ray, struct bvh_query *q,
+                                  struct box8_ray *world)
+{
+    if (!bvh_is_ray(ray))
         return false;
     q->stage = s;
     q->first = stage_at(s, s->nodes);
     q->blocks = stage_at(s, s->blocks);
-    q->tri = tri_ray_make(o, d);
-    q->inv_z = 1 / d[q->tri.kz];
-    if (d[q->tri.kz] == 0)
-        return false;
+    q->tri = tri_ray_make(ray->origin, ray->dir);
     q->t_max = ray->t_max < FLT_MAX ? ray->t_max : FLT_MAX;
-    return true;
-}
-
-static inline void bvh_world_make(const struct bvh_query *q, struct bvh_space *w)
-{
-    const float longest = __builtin_fabsf(q->tri.dir[q->tri.kz]);
-    box8_ray_init(&w->box, q->tri.origin, q->tri.dir, longest, box8_error(q->tri.origin));
-    w->instance = STAGE_NONE;
-    w->prim_begin = 0;
-    w->t[0] = 0;
-    w->t[1] = FLT_MAX;
+    box8_ray_init(world, ray->origin, ray->dir, box8_error(ray->origin));
+    return q->tri.shear[2] == 1;
 }
 
 /* --- one primitive --- */
 
 /* False: the ray passes the instance's box. */
-bool bvh_space_make(const struct bvh_query *, const struct bvh_space *world, uint32_t instance,
+bool bvh_space_make(const struct bvh_query *, const struct box8_ray *world, uint32_t instance,
                     struct bvh_space *);
 
-/* The t of a primitive of the world, as its own test has it, made a hit's; false: it is none. */
-bool bvh_prim_settle(const struct bvh_query *, vec3 lo, vec3 hi, float *t);
+/* From here on t is that of the hit, in (0, t_max), or 0: there is none. */
 
-/* A triangle of an instance, in world space, that the ray meets. */
-bool bvh_prim_in_instance(const struct bvh_query *, const struct bvh_space *, uint32_t index,
-                          const struct stage_triangle *, float *t);
+/* Of a primitive of the world, whose own test has found t. */
+float bvh_prim_settle(const struct bvh_query *, vec3 lo, vec3 hi, float t);
 
-/* Any other kind; *prim: its number. */
-bool bvh_prim_round(const struct bvh_query *, struct stage_place, float *t, uint32_t *prim);
+/* Of a triangle of an instance, in world space, that the ray meets. */
+float bvh_prim_in_instance(const struct bvh_query *, const struct bvh_space *, uint32_t index,
+                           const struct stage_triangle *);
+
+/* Of any other kind; *prim: its number. */
+float bvh_prim_round(const struct bvh_query *, struct stage_place, uint32_t *prim);
 
 /* All but always the hit is well inside the box: with less room than box_hit gives on each side
  * (its error is 5 u of the reach and 5 u of the way), t is between its distances, and stays. */
-static inline bool settle_in_world(const struct bvh_query *q, vec3 lo, vec3 hi, float *t)
+static inline float settle_in_world(const struct bvh_query *q, vec3 lo, vec3 hi, float t)
 {
-    const vec3 a = lo - q->tri.origin, b = hi - q->tri.origin, way = *t * q->tri.dir;
+    const vec3 a = lo - q->tri.origin, b = hi - q->tri.origin, way = t * q->tri.dir;
     const vec3 room = 4 * ROUND_UNIT * vec3_max(vec3_abs(a), vec3_abs(b));
     const i32x4 inside = (way >= a - room) & (way <= b + room);
     if (__builtin_expect((i32x4_mask(inside) & 7) == 7, 1))
-        return *t < q->t_max;
+        return t < q->t_max ? t : 0;
     return bvh_prim_settle(q, lo, hi, t);
 }
 
-/* Of a triangle that the ray meets (tri_meets), in world space. A NaN is a miss. */
-static inline __attribute__((always_inline)) bool
-bvh_prim_triangle(const struct bvh_query *q, const struct stage_triangle *tri, float *t)
+/* Of a triangle that the ray meets (tri_meets), in world space. */
+static inline __attribute__((always_inline)) float
+bvh_prim_triangle(const struct bvh_query *q, const struct stage_triangle *tri)
 {
-    *t = tri_plane_t(&q->tri, tri);
-    if (!(*t > 0))
-        return false;
+    const float t = tri_plane_t(&q->tri, tri);
+    if (!(t > 0)) /* or a NaN */
+        return 0;
     vec3 lo, hi;
     tri_bounds(tri, &lo, &hi);
     return settle_in_world(q, lo, hi, t);

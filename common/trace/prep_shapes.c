@@ -349,8 +349,8 @@ static struct bvh_box bound_instance(const struct prep_tree *tree, const struct 
     const struct bvh_plan *plan = &tree->plan;
     const struct bvh_node *top = plan->node_count ? plan->parts[0].chunks[0] : NULL;
     for (int i = 0; top && top->used >> i; i++)
-        bound_corners(x, vec3_make(top->plane[0][i], top->plane[1][i], top->plane[2][i]),
-                      vec3_make(top->plane[3][i], top->plane[4][i], top->plane[5][i]), &box);
+        bound_corners(x, vec3_make(top->plane[0][i], top->plane[2][i], top->plane[4][i]),
+                      vec3_make(top->plane[1][i], top->plane[3][i], top->plane[5][i]), &box);
     if (!top && plan->part_count)
         bound_corners(x, plan->parts[0].range.box.lo, plan->parts[0].range.box.hi, &box);
     return box;

@@ -24,11 +24,9 @@ static inline f32x8 f32x8_load(const float *aligned32)
     return *(const f32x8 *)(const void *)aligned32;
 }
 
-/* The same, into a register. gcc else reads memory in the middle of a fused operation, where it
- * must then copy the other operand, which that overwrites. */
-static inline f32x8 f32x8_fetch(const float *aligned32)
+/* The same, into a register, for good: gcc else loads it again for each use. */
+static inline f32x8 f32x8_fetch(f32x8 v)
 {
-    f32x8 v = f32x8_load(aligned32);
 #ifdef __AVX__
     __asm__("" : "+x"(v));
 #endif
@@ -40,6 +38,11 @@ static inline f32x8 f32x8_splat(float x)
     return (f32x8){x, x, x, x, x, x, x, x};
 }
 
+static inline f32x8 f32x8_abs(f32x8 v)
+{
+    return (f32x8)((i32x8)v & 0x7fffffff);
+}
+
 static inline u32x8 u32x8_load(const uint32_t *aligned32)
 {
     return *(const u32x8 *)(const void *)aligned32;
@@ -48,22 +51,6 @@ static inline u32x8 u32x8_load(const uint32_t *aligned32)
 static inline u32x8 u32x8_splat(uint32_t x)
 {
     return (u32x8){x, x, x, x, x, x, x, x};
-}
-
-/* Lane by lane a where m is -1, b where it is 0. */
-static inline f32x8 f32x8_choose(i32x8 m, f32x8 a, f32x8 b)
-{
-    return (f32x8)(((i32x8)a & m) | ((i32x8)b & ~m));
-}
-
-static inline f64x4 f64x4_of(vec3 v)
-{
-    return __builtin_convertvector(v, f64x4);
-}
-
-static inline vec3 f64x4_round(f64x4 v)
-{
-    return __builtin_convertvector(v, vec3);
 }
 
 /* Each component as a[i] * b[j] - a[j] * b[i]; lane 3 comes of the lanes 3. */
@@ -93,6 +80,43 @@ static inline vec3 vec3_choose(i32x4 m, vec3 a, vec3 b)
     return (vec3)(((i32x4)a & m) | ((i32x4)b & ~m));
 }
 
+/* The upper and lower halves of the four-float halves of a and b, alternately. */
+static inline f32x8 f32x8_low_pairs(f32x8 a, f32x8 b)
+{
+    return __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13);
+}
+
+static inline f32x8 f32x8_high_pairs(f32x8 a, f32x8 b)
+{
+    return __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);
+}
+
+/* Eight vectors -> component k of each, lane by lane, in out[k]. */
+static inline void f32x8_columns(const vec3 v[8], f32x8 out[3])
+{
+    f32x8 r[4];
+    for (int i = 0; i < 4; i++)
+        r[i] = __builtin_shufflevector(v[i], v[i + 4], 0, 1, 2, 3, 4, 5, 6, 7);
+    const f32x8 xy02 = f32x8_low_pairs(r[0], r[2]), xy13 = f32x8_low_pairs(r[1], r[3]);
+    const f32x8 zw02 = f32x8_high_pairs(r[0], r[2]), zw13 = f32x8_high_pairs(r[1], r[3]);
+    out[0] = f32x8_low_pairs(xy02, xy13);
+    out[1] = f32x8_high_pairs(xy02, xy13);
+    out[2] = f32x8_low_pairs(zw02, zw13);
+}
+
+/* And back: the lanes of x, y, z, w as vectors. */
+static inline void f32x8_rows(f32x8 x, f32x8 y, f32x8 z, f32x8 w, vec3 out[8])
+{
+    const f32x8 xz_low = f32x8_low_pairs(x, z), xz_high = f32x8_high_pairs(x, z);
+    const f32x8 yw_low = f32x8_low_pairs(y, w), yw_high = f32x8_high_pairs(y, w);
+    const f32x8 r[4] = {f32x8_low_pairs(xz_low, yw_low), f32x8_high_pairs(xz_low, yw_low),
+                        f32x8_low_pairs(xz_high, yw_high), f32x8_high_pairs(xz_high, yw_high)};
+    for (int i = 0; i < 4; i++) {
+        out[i] = __builtin_shufflevector(r[i], r[i], 0, 1, 2, 3);
+        out[i + 4] = __builtin_shufflevector(r[i], r[i], 4, 5, 6, 7);
+    }
+}
+
 #if defined __AVX2__ && defined __FMA__
 
 #include <immintrin.h>
@@ -117,21 +141,40 @@ static inline f32x8 f32x8_max(f32x8 a, f32x8 b)
     return (f32x8)_mm256_max_ps((__m256)a, (__m256)b);
 }
 
+/* Lane by lane a where m is -1, b where it is 0. */
+static inline f32x8 f32x8_choose(i32x8 m, f32x8 a, f32x8 b)
+{
+    return (f32x8)_mm256_blendv_ps((__m256)b, (__m256)a, (__m256)m);
+}
+
 static inline f32x8 f32x8_sqrt(f32x8 a)
 {
     return (f32x8)_mm256_sqrt_ps((__m256)a);
 }
 
-/* a * b - c */
+/* a * b - c, in a's register: left alone, gcc puts it in b's or c's, of which it then makes a copy
+ * first. */
 static inline f32x8 f32x8_fused(f32x8 a, f32x8 b, f32x8 c)
 {
-    return (f32x8)_mm256_fmsub_ps((__m256)a, (__m256)b, (__m256)c);
+    __asm__("vfmsub213ps %2, %1, %0" : "+x"(a) : "x"(b), "xm"(c));
+    return a;
 }
 
 /* Bit i: lane i of a comparison is true. */
 static inline uint32_t i32x8_mask(i32x8 m)
 {
     return (uint32_t)_mm256_movemask_ps((__m256)m);
+}
+
+/* gcc's __builtin_convertvector takes five instructions. */
+static inline f64x4 f64x4_of(vec3 v)
+{
+    return (f64x4)_mm256_cvtps_pd((__m128)v);
+}
+
+static inline vec3 f64x4_round(f64x4 v)
+{
+    return (vec3)_mm256_cvtpd_ps((__m256d)v);
 }
 
 static inline vec3 vec3_min(vec3 a, vec3 b)
@@ -148,6 +191,12 @@ static inline vec3 vec3_max(vec3 a, vec3 b)
 static inline uint32_t i32x4_mask(i32x4 m)
 {
     return (uint32_t)_mm_movemask_ps((__m128)m);
+}
+
+/* Lane k: component from[k] of v, below 4. */
+static inline vec3 vec3_permute(vec3 v, i32x4 from)
+{
+    return (vec3)_mm_permutevar_ps((__m128)v, (__m128i)from);
 }
 
 /* Towards zero; lanes out of range are anything. */
@@ -182,6 +231,11 @@ static inline f32x8 f32x8_max(f32x8 a, f32x8 b)
     return b;
 }
 
+static inline f32x8 f32x8_choose(i32x8 m, f32x8 a, f32x8 b)
+{
+    return (f32x8)(((i32x8)a & m) | ((i32x8)b & ~m));
+}
+
 static inline f32x8 f32x8_sqrt(f32x8 a)
 {
     for (int i = 0; i < 8; i++)
@@ -200,6 +254,16 @@ static inline uint32_t i32x8_mask(i32x8 m)
     for (int i = 0; i < 8; i++)
         bits |= m[i] < 0 ? 1u << i : 0;
     return bits;
+}
+
+static inline f64x4 f64x4_of(vec3 v)
+{
+    return __builtin_convertvector(v, f64x4);
+}
+
+static inline vec3 f64x4_round(f64x4 v)
+{
+    return __builtin_convertvector(v, vec3);
 }
 
 static inline vec3 vec3_min(vec3 a, vec3 b)
@@ -222,6 +286,11 @@ static inline uint32_t i32x4_mask(i32x4 m)
     for (int i = 0; i < 4; i++)
         bits |= m[i] < 0 ? 1u << i : 0;
     return bits;
+}
+
+static inline vec3 vec3_permute(vec3 v, i32x4 from)
+{
+    return (vec3){v[from[0]], v[from[1]], v[from[2]], v[from[3]]};
 }
 
 static inline i32x4 vec3_truncate(vec3 v)

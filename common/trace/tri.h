@@ -18,44 +18,73 @@
 
 struct tri_ray {
     vec3 origin, dir;
-    int kx, ky, kz;   /* z: the axis along which the ray is longest; x, y keep the winding */
-    float sx, sy;     /* the shear */
-    float ox, oy, oz; /* the origin along kx, ky, kz */
-    f64x4 o, d;       /* origin and dir once more */
+    i32x4 row;  /* 8 * the axis, in order kx, ky, kz: z is that along which the ray is longest, x and
+                 * y keep the winding; so many floats into a struct stage_block's vertex it begins */
+    vec3 at;    /* the origin along these axes */
+    vec3 shear; /* dir along kx, ky / dir along kz; then 1, a NaN for no direction at all; and 1 /
+                 * dir along kz */
 };
 
-/* The axes of a ray: kx, ky, kz in a byte each. compared: bit 0: |y| >= |x|, 1: |z| >= |y|, 2: |z|
- * >= |x|; negative: bit k: component k is below 0. A table, since branches would be mispredicted
- * more often than not. */
-static inline void tri_axes(uint32_t compared, uint32_t negative, int *kx, int *ky, int *kz)
+/* The axes of a ray, its longest one last. A table, since branches would be mispredicted more
+ * often than not. */
+static inline i32x4 tri_axes(vec3 dir)
 {
     static const unsigned char longest[8] = {0, 1, 0, 2, 2, 1, 2, 2};
-    static const unsigned char next[6] = {1, 2, 2, 0, 0, 1}; /* x, y of an axis; for -z exchanged */
-    const uint32_t z = longest[compared], back = negative >> z & 1;
-    *kx = next[2 * z + back];
-    *ky = next[2 * z + (back ^ 1)];
-    *kz = (int)z;
+    static const i32x4 axes[6] = {{1, 2, 0, 3}, {2, 1, 0, 3}, {2, 0, 1, 3},
+                                  {0, 2, 1, 3}, {0, 1, 2, 3}, {1, 0, 2, 3}};
+    const vec3 a = vec3_abs(dir), none = {0};
+    /* bit 0: |y| >= |x|, 1: |z| >= |y|, 2: |z| >= |x| */
+    const i32x4 compared =
+        __builtin_shufflevector(a, a, 1, 2, 2, 3) >= __builtin_shufflevector(a, a, 0, 1, 0, 3);
+    const uint32_t z = longest[i32x4_mask(compared) & 7];
+    const uint32_t back = i32x4_mask(dir < none) >> z & 1; /* x and y exchanged */
+    return axes[2 * z + back];
 }
 
 static inline struct tri_ray tri_ray_make(vec3 origin, vec3 dir)
 {
-    const vec3 a = vec3_abs(dir), none = {0};
-    const i32x4 compared =
-        __builtin_shufflevector(a, a, 1, 2, 2, 3) >= __builtin_shufflevector(a, a, 0, 1, 0, 3);
-    int kx, ky, kz;
-    tri_axes(i32x4_mask(compared) & 7, i32x4_mask(dir < none), &kx, &ky, &kz);
-    return (struct tri_ray){.origin = origin,
-                            .dir = dir,
-                            .kx = kx,
-                            .ky = ky,
-                            .kz = kz,
-                            .sx = dir[kx] / dir[kz],
-                            .sy = dir[ky] / dir[kz],
-                            .ox = origin[kx],
-                            .oy = origin[ky],
-                            .oz = origin[kz],
-                            .o = f64x4_of(origin),
-                            .d = f64x4_of(dir)};
+    const i32x4 k = tri_axes(dir);
+    vec3 d = vec3_permute(dir, k);
+    const float longest = d[2];
+    d[3] = 1;
+    return (struct tri_ray){origin, dir, STAGE_LANES * k, vec3_permute(origin, k), d / longest};
+}
+
+/* Eight at once: row, at and shear of each. */
+struct tri_rays {
+    i32x4 row[8];
+    vec3 at[8], shear[8];
+};
+
+/* Lane by lane v[k] for the axis k along which the ray is longest, and the two after it: by z2 (it
+ * is 2) and z1 (it is 1), and y before x where `back`. */
+static inline void tri_rays_permute(const f32x8 v[3], i32x8 z2, i32x8 z1, i32x8 back, f32x8 out[3])
+{
+    const f32x8 x = f32x8_choose(z2, v[0], f32x8_choose(z1, v[2], v[1]));
+    const f32x8 y = f32x8_choose(z2, v[1], f32x8_choose(z1, v[0], v[2]));
+    out[0] = f32x8_choose(back, y, x);
+    out[1] = f32x8_choose(back, x, y);
+    out[2] = f32x8_choose(z2, v[2], f32x8_choose(z1, v[1], v[0]));
+}
+
+/* As tri_ray_make. */
+static inline void tri_rays_make(const f32x8 origin[3], const f32x8 dir[3], struct tri_rays *r)
+{
+    const f32x8 x = f32x8_abs(dir[0]), y = f32x8_abs(dir[1]), z = f32x8_abs(dir[2]), none = {0};
+    const i32x8 z2 = (z >= y) & (z >= x), z1 = y >= x;
+    const f32x8 longest = f32x8_choose(z2, dir[2], f32x8_choose(z1, dir[1], dir[0]));
+    const i32x8 back = longest < none;
+    const f32x8 rows[3] = {none, f32x8_splat(STAGE_LANES), f32x8_splat(2 * STAGE_LANES)};
+    vec3 row[8];
+    f32x8 at[3], d[3], k[3];
+    tri_rays_permute(origin, z2, z1, back, at);
+    tri_rays_permute(dir, z2, z1, back, d);
+    tri_rays_permute(rows, z2, z1, back, k);
+    f32x8_rows(at[0], at[1], at[2], none, r->at);
+    f32x8_rows(d[0] / longest, d[1] / longest, longest / longest, 1 / longest, r->shear);
+    f32x8_rows(k[0], k[1], k[2], none, row);
+    for (int i = 0; i < 8; i++)
+        r->row[i] = vec3_truncate(row[i]);
 }
 
 /* Twice the signed area of (0, a, b): antisymmetric in a and b to the last bit. */
@@ -75,15 +104,11 @@ static inline float tri_edge_exact(float ax, float ay, float bx, float by)
  * to the plane than 1e-15 of the triangle's distance. A NaN for a ray in the plane. */
 static inline float tri_plane_t(const struct tri_ray *r, const struct stage_triangle *t)
 {
-    const double px = (double)t->v[0][0], py = (double)t->v[0][1], pz = (double)t->v[0][2];
-    const double ex = (double)t->v[1][0] - px, ey = (double)t->v[1][1] - py,
-                 ez = (double)t->v[1][2] - pz;
-    const double fx = (double)t->v[2][0] - px, fy = (double)t->v[2][1] - py,
-                 fz = (double)t->v[2][2] - pz;
-    const double nx = ey * fz - ez * fy, ny = ez * fx - ex * fz, nz = ex * fy - ey * fx;
-    const double height = nx * (px - r->o[0]) + ny * (py - r->o[1]) + nz * (pz - r->o[2]);
-    const double speed = nx * r->d[0] + ny * r->d[1] + nz * r->d[2];
-    return (float)(height / speed);
+    const f64x4 p = f64x4_of(vec3_load(t->v[0]));
+    const f64x4 n =
+        f64x4_cross(f64x4_of(vec3_load(t->v[1])) - p, f64x4_of(vec3_load(t->v[2])) - p);
+    const f64x4 height = n * (p - f64x4_of(r->origin)), speed = n * f64x4_of(r->dir);
+    return (float)((height[0] + height[1] + height[2]) / (speed[0] + speed[1] + speed[2]));
 }
 
 static inline void tri_bounds(const struct stage_triangle *t, vec3 *lo, vec3 *hi)
@@ -109,9 +134,12 @@ static inline struct tri_edges tri_edges_make(const struct tri_ray *r,
 {
     const vec3 a = vec3_load(t->v[0]) - r->origin, b = vec3_load(t->v[1]) - r->origin,
                c = vec3_load(t->v[2]) - r->origin;
-    const float ax = a[r->kx] - r->sx * a[r->kz], ay = a[r->ky] - r->sy * a[r->kz];
-    const float bx = b[r->kx] - r->sx * b[r->kz], by = b[r->ky] - r->sy * b[r->kz];
-    const float cx = c[r->kx] - r->sx * c[r->kz], cy = c[r->ky] - r->sy * c[r->kz];
+    const int kx = r->row[0] / STAGE_LANES, ky = r->row[1] / STAGE_LANES,
+              kz = r->row[2] / STAGE_LANES;
+    const float sx = r->shear[0], sy = r->shear[1];
+    const float ax = a[kx] - sx * a[kz], ay = a[ky] - sy * a[kz];
+    const float bx = b[kx] - sx * b[kz], by = b[ky] - sy * b[kz];
+    const float cx = c[kx] - sx * c[kz], cy = c[ky] - sy * c[kz];
     const struct tri_edges e = {tri_edge(cx, cy, bx, by), tri_edge(ax, ay, cx, cy),
                                 tri_edge(bx, by, ax, ay)};
     if (e.e0 != 0 && e.e1 != 0 && e.e2 != 0)
