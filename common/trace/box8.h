@@ -137,4 +137,71 @@ static inline uint32_t box8_hit(const struct box8_ray *r, const float (*plane)[8
     return i32x8_mask(*near <= *far);
 }
 
+/* Bit i: ray i passes the box `lane` within [0, t_max[i]]. The rays have the signs of planes. */
+static inline uint32_t box8_rays_hit(const struct box8_rays *r, const uint16_t *planes,
+                                     const float (*plane)[8], uint32_t lane, f32x8 t_max)
+{
+    const float *p = plane[0] + lane;
+    f32x8 near = {0}, far = t_max;
+    for (int k = 0; k < 3; k++) {
+        const f32x8 inv = f32x8_fetch(f32x8_load(r->inv[k]));
+        near = f32x8_max(
+            f32x8_fused(f32x8_splat(p[planes[k]]), inv, f32x8_load(r->near[k])), near);
+        far = f32x8_min(f32x8_fused(f32x8_splat(p[planes[k + 3]]), inv, f32x8_load(r->far[k])),
+                        far);
+    }
+    return i32x8_mask(near <= far);
+}
+
+/* Eight rays with the same signs as one thick one: it passes every box that one of them does.
+ *
+ * A plane p is met at (p - c) / d - (origin - c) / d, c being the first ray's origin: no sooner than
+ * the sooner of the two extreme 1 / d says for the first term, less the most of the second. Against
+ * box8_hit that is two more roundings, 2 u (A + O), well within the padding. */
+struct box8_fan {
+    f32x8 center[3];
+    f32x8 inv[2][3];       /* the least and the most of 1 / d */
+    f32x8 near[3], far[3]; /* the most and the least of (origin - c) / d, errors included */
+    const uint16_t *planes;
+};
+
+/* False: they have not, or numbers are too large. */
+static inline bool box8_fan_init(struct box8_fan *f, const struct box8_rays *r)
+{
+    uint32_t signs = 0;
+    i32x8 finite = {-1, -1, -1, -1, -1, -1, -1, -1};
+    for (int k = 0; k < 3; k++) {
+        const f32x8 inv = f32x8_load(r->inv[k]), near = f32x8_load(r->near[k]),
+                    far = f32x8_load(r->far[k]);
+        if (r->negative[k] != 0 && r->negative[k] != 0xff)
+            return false;
+        signs |= (r->negative[k] & 1) << k;
+        f->center[k] = f32x8_splat((0.5f * (r->near[k][0] + r->far[k][0])) / r->inv[k][0]);
+        const f32x8 n = near - f->center[k] * inv, l = far - f->center[k] * inv;
+        f->inv[0][k] = f32x8_least(inv);
+        f->inv[1][k] = f32x8_most(inv);
+        f->near[k] = f32x8_most(n);
+        f->far[k] = f32x8_least(l);
+        finite &= (n - n == 0) & (l - l == 0);
+    }
+    f->planes = box8_planes[signs];
+    return i32x8_mask(finite) == 0xff;
+}
+
+/* Bit i: it passes box i within [0, t_max]; near: not after any of the rays enters. */
+static inline uint32_t box8_fan_hit(const struct box8_fan *f, const float (*plane)[8], f32x8 t_max,
+                                    f32x8 *near)
+{
+    const float *p = plane[0];
+    f32x8 far = t_max;
+    *near = (f32x8){0};
+    for (int k = 0; k < 3; k++) {
+        const f32x8 in = f32x8_load(p + f->planes[k]) - f->center[k],
+                    out = f32x8_load(p + f->planes[k + 3]) - f->center[k];
+        *near = f32x8_max(f32x8_min(in * f->inv[0][k], in * f->inv[1][k]) - f->near[k], *near);
+        far = f32x8_min(f32x8_max(out * f->inv[0][k], out * f->inv[1][k]) - f->far[k], far);
+    }
+    return i32x8_mask(*near <= far);
+}
+
 #endif

@@ -303,4 +303,19 @@ static inline i32x4 vec3_truncate(vec3 v)
 
 #endif
 
+/* The least, the greatest of the eight, in every lane. */
+static inline f32x8 f32x8_least(f32x8 v)
+{
+    v = f32x8_min(v, __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3));
+    v = f32x8_min(v, __builtin_shufflevector(v, v, 2, 3, 0, 1, 6, 7, 4, 5));
+    return f32x8_min(v, __builtin_shufflevector(v, v, 1, 0, 3, 2, 5, 4, 7, 6));
+}
+
+static inline f32x8 f32x8_most(f32x8 v)
+{
+    v = f32x8_max(v, __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3));
+    v = f32x8_max(v, __builtin_shufflevector(v, v, 2, 3, 0, 1, 6, 7, 4, 5));
+    return f32x8_max(v, __builtin_shufflevector(v, v, 1, 0, 3, 2, 5, 4, 7, 6));
+}
+
 #endif
