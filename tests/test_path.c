@@ -90,6 +90,16 @@ static void agrees_with_naive(void)
     scenes_release(&s);
 }
 
+static double luminance_along(const struct stage *stage, struct ray ray, const struct rng *rng,
+                              uint32_t roulette_begin)
+{
+    struct path_start start;
+    rgb radiance;
+    path_begin(stage, &ray, 1, &start);
+    path_radiance(stage, &start, rng, 1, roulette_begin, &radiance);
+    return (double)rgb_luminance(radiance);
+}
+
 static void roulette_changes_nothing(void)
 {
     enum { SIDE = 24 };
@@ -107,7 +117,7 @@ static void roulette_changes_nothing(void)
                 const struct rng rng = rng_make(5, i % SIDE, i / SIDE, j);
                 const struct ray ray =
                     camera_ray(&stage->camera, (float)(i % SIDE) + .5f, (float)(i / SIDE) + .5f);
-                mean[k] += (double)rgb_luminance(path_radiance(stage, ray, &rng, begin[k])) / spp;
+                mean[k] += luminance_along(stage, ray, &rng, begin[k]) / spp;
             }
         stat_add(&none, mean[0]);
         stat_add(&usual, mean[1] - mean[0]);

@@ -14,27 +14,6 @@ static float mis_weight(float a, float b)
     return 1 / (1 + r * r);
 }
 
-/* Light that reaches `at` from one chosen emitter and goes on to wo, MIS-weighted. */
-static rgb light_directly(const struct stage *s, const struct surface *at, const struct material *m,
-                          const struct warp_frame *frame, vec3 wo, const struct rng *rng,
-                          uint32_t bounce)
-{
-    const rgb black = {0, 0, 0, 0};
-    const uint32_t pick =
-        s->emitters.count > 1 ? rng_bits(rng, rng_dimension(bounce, RNG_LIGHT_PICK)) : 0;
-    const struct square position = rng_pair(rng, rng_dimension(bounce, RNG_LIGHT_POSITION));
-    struct light_sample light;
-    if (!light_sample(s, at, pick, position, &light))
-        return black;
-    const vec3 wi = warp_to_local(frame, light.wi);
-    const rgb f = bsdf_eval(m, wo, wi);
-    if (rgb_is_black(f) || bvh_hit_any(s, &light.shadow))
-        return black;
-    if (light.pdf_w == 0)
-        return f * light.value;
-    return f * light.value * mis_weight(light.pdf_w, bsdf_pdf_w(m, wo, wi));
-}
-
 /* Russian roulette: the chance to go on. It is the path's throughput, relative to what it started
  * with: `scale` is what refraction alone has put into it, which leaving the glass takes out again.
  * Survivors then all carry the same weight. In a furnace of albedo a the chance is a per bounce
@@ -47,67 +26,204 @@ static float survival(rgb throughput, float scale)
     return q < 1 ? q : 1;
 }
 
-rgb path_radiance(const struct stage *s, struct ray ray, const struct rng *rng,
-                  uint32_t roulette_begin)
+static struct path_vertex vertex_make(const struct stage *s, const struct ray *ray,
+                                      const struct ray_hit *hit)
 {
-    const struct material *materials = stage_at(s, s->materials);
-    rgb light = {0, 0, 0, 0};
-    rgb throughput = {1, 1, 1, 0};
-    float scale = 1;        /* the part of throughput that is change of radiance by refraction */
-    float pdf_w = 0;        /* of the ray's direction; 0: camera ray or delta lobe, which
-                             * next-event estimation cannot make */
-    vec3 from = ray.origin; /* the last vertex, where next-event estimation was done */
+    const struct surface at = surface_at(s, ray, hit);
+    const struct warp_frame frame = warp_frame_make(at.ng);
+    return (struct path_vertex){
+        .at = at,
+        .frame = frame,
+        .material = (const struct material *)stage_at(s, s->materials) + at.material,
+        .wo = warp_to_local(&frame, -ray->dir),
+    };
+}
 
-    for (uint32_t bounce = 0;; bounce++) {
-        /* The next vertex, or the sky */
-        struct ray_hit hit;
-        if (!bvh_hit_closest(s, &ray, &hit))
-            return light + throughput * s->sky;
-        /* Drawn here, because it takes as long as the vertex and waits for nothing */
-        const struct square direction = rng_pair(rng, rng_dimension(bounce, RNG_BSDF_DIRECTION));
-        const struct surface at = surface_at(s, &ray, &hit);
-        const struct material *m = &materials[at.material];
-        const struct warp_frame frame = warp_frame_make(at.ng);
-        const vec3 wo = warp_to_local(&frame, -ray.dir);
+/* What the vertex emits to where the ray came from. */
+static rgb emission(const struct stage *s, const struct path_vertex *v)
+{
+    if (v->at.emitter == STAGE_NONE || !(v->wo[2] > 0))
+        return (rgb){0, 0, 0, 0};
+    return vec3_load(((const struct emitter *)stage_at(s, s->emitters))[v->at.emitter].radiance);
+}
 
-        /* Emission found by the BSDF's sampling */
-        if (at.emitter != STAGE_NONE && wo[2] > 0) {
-            const struct emitter *e = (const struct emitter *)stage_at(s, s->emitters) + at.emitter;
-            const float weight = pdf_w == 0 ? 1 : mis_weight(pdf_w, light_pdf_w(s, from, &at));
-            light += throughput * vec3_load(e->radiance) * weight;
+void path_begin(const struct stage *s, const struct ray rays[], uint32_t count,
+                struct path_start starts[])
+{
+    struct ray_hit hits[PATH_WAVE];
+    const uint32_t found = bvh_hit_closest_8(s, rays, count, hits);
+    for (uint32_t i = 0; i < count; i++) {
+        struct path_start *start = &starts[i];
+        start->ends = !(found >> i & 1);
+        if (start->ends) {
+            start->light = s->sky;
+            continue;
         }
-        if (bounce == s->settings.max_bounces)
-            return light;
+        start->vertex = vertex_make(s, &rays[i], &hits[i]);
+        start->light = emission(s, &start->vertex);
+        start->ends = s->settings.max_bounces == 0;
+    }
+}
 
-        /* Emission found by next-event estimation */
-        if (s->emitters.count > 0 && !bsdf_is_delta(m))
-            light += throughput * light_directly(s, &at, m, &frame, wo, rng, bounce);
+/* --- paths in step --- */
 
-        /* Scattering */
-        const float lobe =
-            bsdf_has_lobes(m) ? rng_single(rng, rng_dimension(bounce, RNG_BSDF_LOBE)) : 0;
-        struct bsdf_sample next;
-        if (!bsdf_sample(m, wo, lobe, direction, &next))
-            return light;
-        throughput *= next.weight;
-        if (rgb_is_black(throughput))
-            return light;
-        scale *= next.scale;
-        pdf_w = next.pdf_w;
-        from = at.p;
-        const vec3 dir = warp_to_world(&frame, next.wi);
-        if (!(vec3_dot(dir, at.ng) * next.wi[2] > 0)) /* rounding put it on the wrong side */
-            return light;
-        ray = surface_leave(&at, dir);
+struct path {
+    rgb light; /* found so far */
+    rgb throughput;
+    float scale; /* the part of throughput that is change of radiance by refraction */
+    float pdf_w; /* of the last direction; 0: a delta lobe's, which next-event estimation cannot
+                  * make */
+    struct path_vertex vertex;
+    struct square direction; /* the numbers for the next one */
+};
 
-        /* Russian roulette */
-        if (bounce >= roulette_begin) {
-            const float q = survival(throughput, scale);
-            if (q < 1) {
-                if (rng_single(rng, rng_dimension(bounce, RNG_ROULETTE)) >= q)
-                    return light;
-                throughput /= q;
-            }
+struct wave {
+    const struct stage *stage;
+    const struct rng *rngs;
+    uint32_t bounce;
+    struct path paths[PATH_WAVE];
+
+    uint32_t going; /* paths that have a next ray */
+    uint32_t path_of[PATH_WAVE];
+    struct ray rays[PATH_WAVE];
+
+    uint32_t shadow_count; /* light that arrives if nothing is in its way */
+    uint32_t shadow_path[PATH_WAVE];
+    struct ray shadows[PATH_WAVE];
+    rgb light[PATH_WAVE];
+};
+
+/* Light that may reach the vertex from one chosen emitter and goes on to wo, MIS-weighted. */
+static void light_directly(struct wave *w, uint32_t path)
+{
+    const struct stage *s = w->stage;
+    const struct path *p = &w->paths[path];
+    const struct path_vertex *v = &p->vertex;
+    const struct material *m = v->material;
+    const struct rng *rng = &w->rngs[path];
+    if (s->emitters.count == 0 || bsdf_is_delta(m))
+        return;
+    const uint32_t pick =
+        s->emitters.count > 1 ? rng_bits(rng, rng_dimension(w->bounce, RNG_LIGHT_PICK)) : 0;
+    const struct square position = rng_pair(rng, rng_dimension(w->bounce, RNG_LIGHT_POSITION));
+    struct light_sample light;
+    if (!light_sample(s, &v->at, pick, position, &light))
+        return;
+    const vec3 wi = warp_to_local(&v->frame, light.wi);
+    rgb f = bsdf_eval(m, v->wo, wi);
+    if (rgb_is_black(f))
+        return;
+    f *= light.value;
+    if (light.pdf_w != 0)
+        f *= mis_weight(light.pdf_w, bsdf_pdf_w(m, v->wo, wi));
+    w->shadow_path[w->shadow_count] = path;
+    w->shadows[w->shadow_count] = light.shadow;
+    w->light[w->shadow_count++] = p->throughput * f;
+}
+
+/* The next ray; false: there is none. */
+static bool scatter(struct wave *w, uint32_t path, uint32_t roulette_begin, struct ray *ray)
+{
+    struct path *p = &w->paths[path];
+    const struct path_vertex *v = &p->vertex;
+    const struct rng *rng = &w->rngs[path];
+    const float lobe = bsdf_has_lobes(v->material)
+                           ? rng_single(rng, rng_dimension(w->bounce, RNG_BSDF_LOBE))
+                           : 0;
+    struct bsdf_sample next;
+    if (!bsdf_sample(v->material, v->wo, lobe, p->direction, &next))
+        return false;
+    p->throughput *= next.weight;
+    if (rgb_is_black(p->throughput))
+        return false;
+    p->scale *= next.scale;
+    p->pdf_w = next.pdf_w;
+    const vec3 dir = warp_to_world(&v->frame, next.wi);
+    if (!(vec3_dot(dir, v->at.ng) * next.wi[2] > 0)) /* rounding put it on the wrong side */
+        return false;
+    if (w->bounce >= roulette_begin) {
+        const float q = survival(p->throughput, p->scale);
+        if (q < 1) {
+            if (rng_single(rng, rng_dimension(w->bounce, RNG_ROULETTE)) >= q)
+                return false;
+            p->throughput /= q;
         }
     }
+    *ray = surface_leave(&v->at, dir);
+    return true;
+}
+
+/* The next vertex, or the sky. False: the path ends there. */
+static bool arrive(struct wave *w, uint32_t path, const struct ray *ray, const struct ray_hit *hit)
+{
+    const struct stage *s = w->stage;
+    struct path *p = &w->paths[path];
+    if (!hit) {
+        p->light += p->throughput * s->sky;
+        return false;
+    }
+    /* Drawn here, because it takes as long as the vertex and waits for nothing */
+    p->direction = rng_pair(&w->rngs[path], rng_dimension(w->bounce + 1, RNG_BSDF_DIRECTION));
+    const vec3 from = p->vertex.at.p;
+    p->vertex = vertex_make(s, ray, hit);
+
+    /* Emission found by the BSDF's sampling; a delta lobe's by nothing else */
+    const rgb found = emission(s, &p->vertex);
+    if (!rgb_is_black(found)) {
+        const float weight =
+            p->pdf_w == 0 ? 1 : mis_weight(p->pdf_w, light_pdf_w(s, from, &p->vertex.at));
+        p->light += p->throughput * found * weight;
+    }
+    return w->bounce + 1 < s->settings.max_bounces;
+}
+
+/* All paths from their vertices to the next ones. */
+static void wave_step(struct wave *w, uint32_t roulette_begin)
+{
+    uint32_t going = 0;
+    w->shadow_count = 0;
+    for (uint32_t i = 0; i < w->going; i++) {
+        const uint32_t path = w->path_of[i];
+        light_directly(w, path);
+        w->path_of[going] = path;
+        going += scatter(w, path, roulette_begin, &w->rays[going]);
+    }
+    const uint32_t dark = bvh_hit_any_8(w->stage, w->shadows, w->shadow_count);
+    for (uint32_t i = 0; i < w->shadow_count; i++)
+        if (!(dark >> i & 1))
+            w->paths[w->shadow_path[i]].light += w->light[i];
+
+    struct ray_hit hits[PATH_WAVE];
+    const uint32_t found = bvh_hit_closest_8(w->stage, w->rays, going, hits);
+    w->going = 0;
+    for (uint32_t i = 0; i < going; i++) {
+        const uint32_t path = w->path_of[i];
+        w->path_of[w->going] = path;
+        w->going += arrive(w, path, &w->rays[i], found >> i & 1 ? &hits[i] : NULL);
+    }
+    w->bounce++;
+}
+
+void path_radiance(const struct stage *s, const struct path_start starts[], const struct rng rngs[],
+                   uint32_t count, uint32_t roulette_begin, rgb radiance[])
+{
+    struct wave w;
+    w.stage = s;
+    w.rngs = rngs;
+    w.bounce = w.going = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        struct path *p = &w.paths[i];
+        p->light = starts[i].light;
+        if (starts[i].ends)
+            continue;
+        p->throughput = (rgb){1, 1, 1, 0};
+        p->scale = 1;
+        p->vertex = starts[i].vertex;
+        p->direction = rng_pair(&rngs[i], rng_dimension(0, RNG_BSDF_DIRECTION));
+        w.path_of[w.going++] = i;
+    }
+    while (w.going)
+        wave_step(&w, roulette_begin);
+    for (uint32_t i = 0; i < count; i++)
+        radiance[i] = w.paths[i].light;
 }

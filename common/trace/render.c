@@ -11,6 +11,8 @@
  * than 2^127, so that no sum leaves the range of float. */
 #define RENDER_MAX_RADIANCE 0x1p+102f
 
+_Static_assert((int)FILM_REPLICATES == (int)PATH_WAVE, "an octet is a wave");
+
 /* A pixel's eight samples that differ in their replicate only: what they have in common is done
  * once, and their rays in the lanes of vectors. */
 struct octet {
@@ -38,23 +40,33 @@ static void octet_go(struct octet *o, uint32_t index)
     camera_rays(&s->camera, x, y, &o->rays);
 }
 
-static rgb octet_sample(const struct octet *o, uint32_t replicate)
+/* Radiance of those with replicates [begin, end). */
+static void octet_radiance(const struct octet *o, uint32_t begin, uint32_t end, rgb radiance[])
 {
     const struct stage *s = o->stage;
-    const struct ray ray = camera_rays_at(&s->camera, &o->rays, replicate);
+    struct ray rays[FILM_REPLICATES];
+    struct path_start starts[FILM_REPLICATES];
+    for (uint32_t i = begin; i < end; i++)
+        rays[i - begin] = camera_rays_at(&s->camera, &o->rays, i);
     switch (s->settings.integrator) {
     case INTEGRATOR_PATH:
-        return path_radiance(s, ray, &o->rng.replicate[replicate], PATH_ROULETTE_BEGIN);
+        path_begin(s, rays, end - begin, starts);
+        path_radiance(s, starts, &o->rng.replicate[begin], end - begin, PATH_ROULETTE_BEGIN,
+                      radiance);
+        return;
     }
     __builtin_unreachable();
 }
 
 rgb render_sample(const struct stage *s, uint32_t x_px, uint32_t y_px, uint32_t sample)
 {
+    const uint32_t replicate = sample % FILM_REPLICATES;
     struct octet o;
+    rgb radiance;
     octet_init(&o, s, x_px, y_px);
     octet_go(&o, sample / FILM_REPLICATES);
-    return octet_sample(&o, sample % FILM_REPLICATES);
+    octet_radiance(&o, replicate, replicate + 1, &radiance);
+    return radiance;
 }
 
 /* False for a NaN. */
@@ -70,16 +82,21 @@ static void render_pixel(const struct stage *s, struct film_samples *out, uint32
     f64x4 exact[FILM_REPLICATES] = {{0}};
     struct octet octet;
     octet_init(&octet, s, x_px, y_px);
-    for (uint32_t i = out->pass.s_begin; i < out->pass.s_end; i++) {
-        const uint32_t replicate = i % FILM_REPLICATES;
-        if (replicate == 0 || i == out->pass.s_begin)
-            octet_go(&octet, i / FILM_REPLICATES);
-        const rgb c = octet_sample(&octet, replicate);
-        if (!is_valid(c)) {
-            film_samples_note_invalid(out, (struct film_key){x_px, y_px, i});
-            continue;
+    for (uint32_t i = out->pass.s_begin, end; i < out->pass.s_end; i = end) {
+        const uint32_t begin = i % FILM_REPLICATES, first = i - begin;
+        rgb radiance[FILM_REPLICATES];
+        end = first + FILM_REPLICATES;
+        if (end > out->pass.s_end)
+            end = out->pass.s_end;
+        octet_go(&octet, first / FILM_REPLICATES);
+        octet_radiance(&octet, begin, end - first, radiance);
+        for (uint32_t k = i; k < end; k++) {
+            const rgb c = radiance[k - i];
+            if (is_valid(c))
+                exact[k % FILM_REPLICATES] += f64x4_of(c);
+            else
+                film_samples_note_invalid(out, (struct film_key){x_px, y_px, k});
         }
-        exact[replicate] += f64x4_of(c);
     }
     for (int i = 0; i < FILM_REPLICATES; i++)
         vec3_store(sums + 3 * i, f64x4_round(exact[i]));
