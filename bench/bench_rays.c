@@ -1,7 +1,8 @@
 /* bench_rays: our ray kernel beside Embree's on six scenes, in one run: rays per CPU second,
  * builds, memory, leaks. bench/meshes.h has the scenes, shots.h the rays, race.h how time is taken;
  * docs/speed.md says how to read the table. Last line: "bench-rays: geomean X min Y" over all
- * cells, our rate / Embree default's. SPDX-License-Identifier: MIT */
+ * cells, our rate / Embree default's, single rays both; the lines before it say the same against
+ * Embree robust, and of our batches of eight. SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -49,7 +50,7 @@ struct score {
 struct report {
     const struct options *options;
     const struct effort *effort;
-    struct score rays[EMBREE_KINDS], build;
+    struct score rays[EMBREE_KINDS], eights[EMBREE_KINDS], build;
     double sah, bytes;  /* the worst: ours / Embree's; of ours */
     uint32_t triangles; /* of the scene at hand */
     struct buf csv;
@@ -119,7 +120,7 @@ static void print_rays_head(void)
     printf("  %-8s", "Mrays/s");
     for (int k = 0; k < RACE_KERNELS; k++)
         printf(" %8s", race_name((enum race_kernel)k));
-    printf(" %8s %8s %8s %8s\n", "o/embree", "o/robust", "% hit", "% t");
+    printf(" %8s %8s %8s %8s %8s\n", "o/embree", "o/robust", "e/embree", "% hit", "% t");
 }
 
 static void print_rays(struct report *r, const char *name, const struct shots *shots,
@@ -139,8 +140,11 @@ static void print_rays(struct report *r, const char *name, const struct shots *s
     for (int k = 0; k < EMBREE_KINDS; k++) {
         printf(" %8s", figure(c->ratio[k], 3, text));
         write_csv(r, where, race_name(RACE_OURS), ratio_to[k], c->ratio[k]);
+        write_csv(r, where, race_name(RACE_EIGHTS), ratio_to[k], c->eights[k]);
         score_add(&r->rays[k], c->ratio[k]);
+        score_add(&r->eights[k], c->eights[k]);
     }
+    printf(" %8s", figure(c->eights[EMBREE_DEFAULT], 3, text));
     printf(" %8s", figure(100 * c->other_hit[RACE_OURS], 4, text));
     printf(" %8s\n", figure(100 * c->other_t[RACE_OURS], 4, text));
     fflush(stdout);
@@ -246,6 +250,8 @@ static void print_summary(const struct report *r)
     printf("bench-rays: tree SAH %s of Embree's at most, %s bytes per triangle at most\n",
            figure(r->sah > 0 ? r->sah : none, 3, a[0]),
            figure(r->bytes > 0 ? r->bytes : none, 1, a[1]));
+    printf("bench-rays: by eights: %s", score_text(&r->eights[EMBREE_DEFAULT], text));
+    printf("; against robust: %s\n", score_text(&r->eights[EMBREE_ROBUST], text));
     printf("bench-rays: against robust: %s\n", score_text(&r->rays[EMBREE_ROBUST], text));
     printf("bench-rays: %s\n", score_text(&r->rays[EMBREE_DEFAULT], text));
 }

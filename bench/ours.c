@@ -13,22 +13,54 @@ static inline struct ray ray_of(const struct shot *s)
     return (struct ray){vec3_load(s->origin), vec3_load(s->dir), s->t_max};
 }
 
+static inline struct shot_hit hit_of(const struct ray_hit *h)
+{
+    return (struct shot_hit){h->t, h->u, h->v, h->prim};
+}
+
+static inline struct shot_hit miss_of(const struct shot *s)
+{
+    return (struct shot_hit){.t = s->t_max, .prim = SHOTS_MISS};
+}
+
+static inline struct shot_hit any_of(bool hit)
+{
+    return (struct shot_hit){.prim = hit ? 0 : SHOTS_MISS};
+}
+
 void ours_trace(const struct stage *stage, const struct shots *s, struct shot_hit *hits)
 {
     if (s->kind == SHOTS_SHADOW)
         for (size_t i = 0; i < s->count; i++) {
             const struct ray ray = ray_of(&s->list[i]);
-            hits[i] = (struct shot_hit){.prim = bvh_hit_any(stage, &ray) ? 0 : SHOTS_MISS};
+            hits[i] = any_of(bvh_hit_any(stage, &ray));
         }
     else
         for (size_t i = 0; i < s->count; i++) {
             const struct ray ray = ray_of(&s->list[i]);
             struct ray_hit hit;
-            if (bvh_hit_closest(stage, &ray, &hit))
-                hits[i] = (struct shot_hit){hit.t, hit.u, hit.v, hit.prim};
-            else
-                hits[i] = (struct shot_hit){.t = ray.t_max, .prim = SHOTS_MISS};
+            hits[i] = bvh_hit_closest(stage, &ray, &hit) ? hit_of(&hit) : miss_of(&s->list[i]);
         }
+}
+
+void ours_trace_eights(const struct stage *stage, const struct shots *s, struct shot_hit *hits)
+{
+    struct ray rays[8];
+    struct ray_hit found[8];
+    for (size_t at = 0; at < s->count; at += 8) {
+        const uint32_t count = (uint32_t)min_size(8, s->count - at);
+        for (uint32_t i = 0; i < count; i++)
+            rays[i] = ray_of(&s->list[at + i]);
+        if (s->kind == SHOTS_SHADOW) {
+            const uint32_t any = bvh_hit_any_8(stage, rays, count);
+            for (uint32_t i = 0; i < count; i++)
+                hits[at + i] = any_of(any >> i & 1);
+        } else {
+            const uint32_t closest = bvh_hit_closest_8(stage, rays, count, found);
+            for (uint32_t i = 0; i < count; i++)
+                hits[at + i] = closest >> i & 1 ? hit_of(&found[i]) : miss_of(&s->list[at + i]);
+        }
+    }
 }
 
 /* The triangles by their numbers, as prep_shapes.c has them before the tree is there. */

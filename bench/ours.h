@@ -8,6 +8,9 @@
 /* Ray by ray: bvh_hit_closest, bvh_hit_any. hits[i] belongs to shot i. */
 void ours_trace(const struct stage *, const struct shots *, struct shot_hit *hits);
 
+/* The same by eights: bvh_hit_closest_8, bvh_hit_any_8. */
+void ours_trace_eights(const struct stage *, const struct shots *, struct shot_hit *hits);
+
 /* Builds the stage's tree once more, from its triangles (there must be nothing else in it), and
  * throws it away. Returns the CPU time in us, bounding the triangles included, as it is in
  * Embree's. */

@@ -16,7 +16,8 @@ static const double none = (double)NAN; /* a figure there is not */
 
 const char *race_name(enum race_kernel k)
 {
-    static const char *const names[] = {"embree", "robust", "ours", "packets", "stream"};
+    static const char *const names[] = {"embree", "robust",  "ours",
+                                        "eights", "packets", "stream"};
     _Static_assert(countof(names) == RACE_KERNELS, "a name for each");
     return names[k];
 }
@@ -96,6 +97,9 @@ static void run(const struct race *race, enum race_kernel kernel, const struct s
     case RACE_OURS:
         ours_trace(race->stage, shots, hits);
         return;
+    case RACE_EIGHTS:
+        ours_trace_eights(race->stage, shots, hits);
+        return;
     case RACE_PACKETS:
         embree_trace(race->embree[EMBREE_DEFAULT], EMBREE_PACKETS, shots, hits);
         return;
@@ -110,7 +114,7 @@ static void run(const struct race *race, enum race_kernel kernel, const struct s
 
 static bool takes_part(const struct race *race, int kernel, uint32_t round)
 {
-    return kernel == RACE_OURS ||
+    return kernel == RACE_OURS || kernel == RACE_EIGHTS ||
            (race->embree[0] && round < (kernel < RACE_PACKETS ? race->rounds : race->info_rounds));
 }
 
@@ -153,7 +157,7 @@ void race_run(const struct race *race, const struct shots *shots, struct race_ra
     struct shot_hit *hits[RACE_KERNELS];
     for (int k = 0; k < RACE_KERNELS; k++)
         hits[k] = arena_new(&arena, struct shot_hit, shots->count);
-    double ratio[2][RACE_MOST_ROUNDS];
+    double ratio[2][RACE_MOST_ROUNDS], eights[2][RACE_MOST_ROUNDS];
     for (int k = 0; k < RACE_KERNELS; k++)
         out->rate[k] = out->other_hit[k] = out->other_t[k] = none;
     for (uint32_t round = 0; round < race->rounds; round++) {
@@ -162,11 +166,15 @@ void race_run(const struct race *race, const struct shots *shots, struct race_ra
         for (int k = 0; k < RACE_KERNELS; k++)
             if (us[k])
                 out->rate[k] = fmax(out->rate[k], (double)shots->count / (double)us[k]);
-        for (int k = 0; k < 2; k++)
+        for (int k = 0; k < 2; k++) {
             ratio[k][round] = race->embree[k] ? (double)us[k] / (double)us[RACE_OURS] : none;
+            eights[k][round] = race->embree[k] ? (double)us[k] / (double)us[RACE_EIGHTS] : none;
+        }
     }
-    for (int k = 0; k < 2; k++)
+    for (int k = 0; k < 2; k++) {
         out->ratio[k] = median(ratio[k], race->rounds);
+        out->eights[k] = median(eights[k], race->rounds);
+    }
     for (int k = 0; k < RACE_KERNELS; k++)
         if (race->embree[0])
             compare_hits(hits[RACE_EMBREE], hits[k], shots->count, &out->other_hit[k],

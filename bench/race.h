@@ -11,11 +11,12 @@
 #include "bench/embree.h"
 #include "bench/shots.h"
 
-/* A further kernel, one for batches say: an enumerator, its name, its case in race.c's run(). */
+/* A further kernel: an enumerator, its name, its case in race.c's run(). */
 enum race_kernel {
     RACE_EMBREE,  /* default, single rays */
     RACE_ROBUST,  /* robust, single rays */
     RACE_OURS,    /* single rays */
+    RACE_EIGHTS,  /* ours, eight at a time */
     RACE_PACKETS, /* from here on for information: fewer rounds */
     RACE_STREAM,
     RACE_KERNELS
@@ -26,7 +27,7 @@ enum { RACE_MOST_ROUNDS = 99 };
 struct race {
     const struct stage *stage;
     const struct scene *scene;
-    uint32_t rounds, info_rounds;        /* of rays: of the first three kernels, of the others */
+    uint32_t rounds, info_rounds;        /* of rays: of the first four kernels, of the others */
     uint32_t builds;                     /* of each tree, at least 1 */
     bool sah;                            /* whether Embree's is to be found out: another build */
     struct embree *embree[EMBREE_KINDS]; /* NULL without Embree */
@@ -41,7 +42,8 @@ struct race_trees {
 
 struct race_rays {
     double rate[RACE_KERNELS];      /* rays per CPU us, best; NaN: did not run */
-    double ratio[2];                /* our rate / that of RACE_EMBREE, ROBUST, median of rounds */
+    double ratio[2], eights[2];     /* our rate, singly and by eights / that of RACE_EMBREE, ROBUST,
+                                       median of rounds */
     double other_hit[RACE_KERNELS]; /* part of the rays: hit here and miss in RACE_EMBREE, or the
                                        reverse */
     double other_t[RACE_KERNELS];   /* part of the rays: both hit, t more than 1e-3 apart */

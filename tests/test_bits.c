@@ -51,8 +51,43 @@ static struct ray random_ray(struct dice *d, const struct stage *s, struct stage
 }
 
 struct tally {
-    uint32_t rays, hits, wrong, wrong_any;
+    uint32_t rays, hits, wrong, wrong_any, wrong_batch;
 };
+
+static bool same_hit(bool hit, const struct ray_hit *a, bool other_hit, const struct ray_hit *b)
+{
+    return hit == other_hit && (!hit || !memcmp(a, b, sizeof *a));
+}
+
+/* Up to eight like the first one, the others less and less: a fan, some of which are no rays, or
+ * go elsewhere. */
+static void batch(const struct stage *s, struct dice *d, struct ray first, struct tally *n)
+{
+    struct ray rays[8] = {first};
+    struct ray_hit hits[8], hit;
+    const uint32_t count = 1 + dice_bits(d) % 8;
+    const float spread = 1 / (float)(1u << dice_bits(d) % 20);
+    const float size = vec3_length(first.dir);
+    for (uint32_t i = 1; i < count; i++) {
+        rays[i] = first;
+        for (int k = 0; k < 3; k++) {
+            rays[i].dir[k] += spread * size * (float)dice_range(d, -1, 1);
+            rays[i].origin[k] += spread * (float)dice_range(d, -0.1, 0.1);
+        }
+        if (dice_bits(d) % 64 == 0)
+            rays[i].dir[dice_bits(d) % 3] = dice_bits(d) & 1 ? NAN : 0;
+        if (dice_bits(d) % 64 == 0)
+            rays[i] = (struct ray){first.origin, -first.dir, dice_bits(d) & 1 ? 0 : 1};
+    }
+    const uint32_t closest = bvh_hit_closest_8(s, rays, count, hits);
+    const uint32_t any = bvh_hit_any_8(s, rays, count);
+    for (uint32_t i = 0; i < count; i++) {
+        memset(&hit, 0, sizeof hit);
+        n->wrong_batch += !same_hit(bvh_hit_closest(s, &rays[i], &hit), &hit, closest >> i & 1,
+                                    &hits[i]) ||
+                          bvh_hit_any(s, &rays[i]) != (any >> i & 1);
+    }
+}
 
 static void compare(const struct stage *s, uint64_t seed, uint32_t rays, struct tally *n)
 {
@@ -68,6 +103,7 @@ static void compare(const struct stage *s, uint64_t seed, uint32_t rays, struct 
         n->wrong +=
             hit != oracle_closest(&o, &ray, &plain) || memcmp(&wide, &plain, sizeof wide) != 0;
         n->wrong_any += bvh_hit_any(s, &ray) != hit || oracle_any(&o, &ray) != hit;
+        batch(s, &d, ray, n);
     }
     oracle_release(&o);
 }
@@ -78,6 +114,8 @@ static void judge(const struct tally *n, const char *what)
        "%s: %u of %u rays hit, as the plain tree has it, bit by bit (%u not)", what, n->hits,
        n->rays, n->wrong);
     ok(n->wrong_any == 0, "%s: any hit where there is a closest (%u not)", what, n->wrong_any);
+    ok(n->wrong_batch == 0, "%s: a ray among eight hits what it hits alone (%u not)", what,
+       n->wrong_batch);
 }
 
 static void test_meshes(void)
