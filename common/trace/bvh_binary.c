@@ -20,10 +20,18 @@ bool bvh_binary_is_leaf(const struct bvh_range *r)
     return count == 1 || (r->weight == count && count <= BVH_LEAF_WEIGHT);
 }
 
-bool bvh_binary_is_part(const struct bvh_binary_limits *l, const struct bvh_range *r)
+/* How many times larger than expected a part's surface may be, cubed. */
+#define PART_EXCESS 64.0f
+
+static bool is_part(const struct bvh_binary_limits *l, const struct bvh_range *whole,
+                    const struct bvh_range *r)
 {
     const uint32_t count = r->end - r->begin;
-    return count >= l->part_least && count <= l->part_most;
+    if (count < l->part_least || count > l->part_most)
+        return false;
+    const float items = (float)count / (float)(whole->end - whole->begin);
+    const float area = bvh_half_area(&r->box) / bvh_half_area(&whole->box);
+    return !(area * area * area > PART_EXCESS * items * items);
 }
 
 static uint32_t new_node(struct bvh_binary *b)
@@ -124,7 +132,7 @@ struct bvh_binary bvh_binary_make(struct bvh_item *items, const struct bvh_range
         n->range = p.range;
         if (i)
             bvh_binary_at(&b, p.parent)->child[p.side] = i;
-        if (bvh_binary_is_leaf(&p.range) || (i && bvh_binary_is_part(limits, &p.range)))
+        if (bvh_binary_is_leaf(&p.range) || (i && is_part(limits, range, &p.range)))
             continue;
         assert(p.depth <= BVH_MAX_DEPTH);
         const bool by_count = p.depth + ceil_log2(p.range.end - p.range.begin) >= BVH_MAX_DEPTH;
