@@ -50,10 +50,8 @@ static void bound(const struct stage_triangle *triangles, uint32_t count, struct
     for (uint32_t i = 0; i < count; i++) {
         vec3 lo, hi;
         tri_bounds(&triangles[i], &lo, &hi);
-        vec3_store(items[i].lo, lo);
-        vec3_store(items[i].hi, hi);
-        items[i].index = prims[i] = i;
-        items[i].kind = BVH_BLOCK;
+        items[i] = bvh_item_make(BVH_BLOCK, i, lo, hi);
+        prims[i] = i;
     }
 }
 

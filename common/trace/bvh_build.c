@@ -107,7 +107,7 @@ static uint32_t fill_node(struct bvh_plan *plan, struct bvh_part *part, const st
         count = split_leaves(plan->items, ranges, count);
     node->used = (1u << count) - 1;
     for (uint32_t i = 0; i < count; i++) {
-        box8_store(node->plane, i, ranges[i].box.lo, ranges[i].box.hi);
+        box8_store(node->plane, i, bvh_box_lo(&ranges[i].box), bvh_box_hi(&ranges[i].box));
         if (!all_leaves && bvh_binary_at(b, from[i])->child[0])
             stack[nodes++] = (struct pending){from[i], node, i, p->depth + 1};
         else

@@ -50,6 +50,16 @@ static inline u32x8 u32x8_splat(uint32_t x)
     return (u32x8){x, x, x, x, x, x, x, x};
 }
 
+static inline vec3 f32x8_low(f32x8 v)
+{
+    return __builtin_shufflevector(v, v, 0, 1, 2, 3);
+}
+
+static inline vec3 f32x8_high(f32x8 v)
+{
+    return __builtin_shufflevector(v, v, 4, 5, 6, 7);
+}
+
 /* Lane by lane a where m is -1, b where it is 0. */
 static inline f32x8 f32x8_choose(i32x8 m, f32x8 a, f32x8 b)
 {
@@ -117,6 +127,12 @@ static inline f32x8 f32x8_max(f32x8 a, f32x8 b)
     return (f32x8)_mm256_max_ps((__m256)a, (__m256)b);
 }
 
+/* v[lane], eight times. */
+static inline f32x8 f32x8_spread(f32x8 v, u32x8 lane)
+{
+    return (f32x8)_mm256_permutevar8x32_ps((__m256)v, (__m256i)lane);
+}
+
 static inline f32x8 f32x8_sqrt(f32x8 a)
 {
     return (f32x8)_mm256_sqrt_ps((__m256)a);
@@ -180,6 +196,11 @@ static inline f32x8 f32x8_max(f32x8 a, f32x8 b)
     for (int i = 0; i < 8; i++)
         b[i] = a[i] > b[i] ? a[i] : b[i];
     return b;
+}
+
+static inline f32x8 f32x8_spread(f32x8 v, u32x8 lane)
+{
+    return f32x8_splat(v[lane[0]]);
 }
 
 static inline f32x8 f32x8_sqrt(f32x8 a)
