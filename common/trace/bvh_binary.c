@@ -21,7 +21,7 @@ bool bvh_binary_is_leaf(const struct bvh_range *r)
 }
 
 /* How many times larger than expected a part's surface may be, cubed. */
-#define PART_EXCESS 64.0f
+#define PART_EXCESS 8.0f
 
 static bool is_part(const struct bvh_binary_limits *l, const struct bvh_range *whole,
                     const struct bvh_range *r)
