@@ -58,13 +58,14 @@ static void bound(const struct stage_triangle *triangles, uint32_t count, struct
 int64_t ours_build(const struct stage *s)
 {
     const uint32_t count = s->prim_count;
-    struct arena input = {0}, arena = {0};
+    struct arena input = {0}, item_arena = {0}, arena = {0};
     const struct stage_triangle *triangles = triangles_of(s, &input);
     const int64_t begin = clock_process_cpu_us();
-    struct bvh_item *items = arena_alloc(&arena, count, sizeof *items, 64);
+    struct bvh_item *items = arena_alloc(&item_arena, count, sizeof *items, 64);
     uint32_t *prims = arena_new(&arena, uint32_t, count);
     bound(triangles, count, items, prims);
     struct bvh_plan plan = bvh_plan_make(items, count, NULL);
+    arena_release(&item_arena);
     const struct bvh_site site = {arena_alloc(&arena, plan.node_count, sizeof(struct bvh_node), 64),
                                   0, BVH_NODE_LINES * plan.node_count};
     bvh_plan_write(&plan, &site, NULL);

@@ -24,9 +24,10 @@
 enum { BVH_BINARY_CHUNK = 256 };
 
 struct bvh_binary_node {
-    struct bvh_range range;
-    uint32_t child[2];              /* 0: none, it is not split further */
-    float cost[BVH_WIDTH];          /* [i - 1]: as i children or fewer */
+    struct bvh_box box;
+    uint32_t begin, end, weight; /* of its items */
+    uint32_t second;             /* its second child, the first one being the next node; 0: none */
+    float cost[BVH_WIDTH];       /* [i - 1]: as i children or fewer */
     unsigned char shape[BVH_WIDTH]; /* [i - 1]: as how many; 1: as a node of its own */
     unsigned char left[BVH_WIDTH];  /* [i - 1]: of exactly i children, those of the left side */
 };
@@ -40,6 +41,12 @@ struct bvh_binary {
 static inline struct bvh_binary_node *bvh_binary_at(const struct bvh_binary *b, uint32_t i)
 {
     return &b->chunks[i / BVH_BINARY_CHUNK][i % BVH_BINARY_CHUNK];
+}
+
+/* But for its middles: to be split it must be few items (bvh_split.h). */
+static inline struct bvh_range bvh_binary_range(const struct bvh_binary_node *n)
+{
+    return (struct bvh_range){n->begin, n->end, n->weight, n->box, bvh_box_empty()};
 }
 
 /* A range is not split further here when it is a leaf, or another part does it. A part is a node

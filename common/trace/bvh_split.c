@@ -2,7 +2,6 @@
 #include "common/trace/bvh_split.h"
 
 enum {
-    SORTED = 16, /* so many items or fewer are sorted */
     BINS = 32,   /* at most */
     STRAY = 128, /* items of the wrong side that are noted before any is moved */
 };
@@ -99,16 +98,16 @@ static void place(struct bvh_range part[2], const struct bvh_range *r, uint32_t 
 
 struct few {
     uint32_t count;
-    struct bvh_item items[SORTED];
-    struct bvh_box box[SORTED];
-    alignas(32) float middle[3][SORTED]; /* infinite from `count` on */
+    struct bvh_item items[BVH_FEW];
+    struct bvh_box box[BVH_FEW];
+    alignas(32) float middle[3][BVH_FEW]; /* infinite from `count` on */
 };
 
 static void few_init(struct few *f, const struct bvh_item *items, uint32_t count)
 {
     f->count = count;
     for (int axis = 0; axis < 3; axis++)
-        for (uint32_t i = 0; i < SORTED; i += 8)
+        for (uint32_t i = 0; i < BVH_FEW; i += 8)
             f32x8_store(&f->middle[axis][i], f32x8_splat(__builtin_inff()));
     for (uint32_t i = 0; i < count; i++) {
         f->items[i] = items[i];
@@ -121,7 +120,7 @@ static void few_init(struct few *f, const struct bvh_item *items, uint32_t count
 
 /* An item's place is the number of those before it: no branch can be mispredicted. Equal ones stay
  * in their order. */
-static void sort(const float middle[SORTED], uint32_t count, uint32_t order[SORTED])
+static void sort(const float middle[BVH_FEW], uint32_t count, uint32_t order[BVH_FEW])
 {
     const f32x8 low = f32x8_load(middle), high = f32x8_load(middle + 8);
     for (uint32_t i = 0; i < count; i++) {
@@ -136,8 +135,8 @@ static bool split_sorted(struct bvh_item *items, const struct bvh_range *r,
                          struct bvh_range part[2])
 {
     struct few f;
-    struct bvh_box box[SORTED];
-    uint32_t weight[SORTED], order[3][SORTED];
+    struct bvh_box box[BVH_FEW];
+    uint32_t weight[BVH_FEW], order[3][BVH_FEW];
     const struct row row = {box, weight, r->end - r->begin};
     struct cut best = {-1, 0, __builtin_inff()};
     few_init(&f, items + r->begin, row.count);
@@ -333,7 +332,8 @@ void bvh_split(struct bvh_item *items, const struct bvh_range *r, bool by_count,
                struct bvh_range part[2])
 {
     const uint32_t count = r->end - r->begin;
-    if (!by_count && (count > SORTED ? split_binned(items, r, part) : split_sorted(items, r, part)))
+    if (!by_count &&
+        (count > BVH_FEW ? split_binned(items, r, part) : split_sorted(items, r, part)))
         return;
     const uint32_t middle = r->begin + count / 2; /* no cut is better than another */
     part[0] = bvh_range_make(items, r->begin, middle);

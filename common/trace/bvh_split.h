@@ -64,8 +64,10 @@ static inline vec3 bvh_box_hi(const struct bvh_box *b)
     return -f32x8_high(b->v);
 }
 
-/* A leaf has room for so much. */
-enum { BVH_LEAF_WEIGHT = STAGE_LANES };
+enum {
+    BVH_LEAF_WEIGHT = STAGE_LANES, /* a leaf has room for so much */
+    BVH_FEW = 16,                  /* so many items or fewer are sorted */
+};
 
 static inline uint32_t bvh_item_weight(const struct bvh_item *item)
 {
@@ -76,7 +78,7 @@ struct bvh_range { /* of items, half-open, not empty */
     uint32_t begin, end;
     uint32_t weight;        /* of all */
     struct bvh_box box;     /* of all */
-    struct bvh_box middles; /* of the middles of their boxes */
+    struct bvh_box middles; /* of the middles of their boxes; of few items: not needed */
 };
 
 struct bvh_range bvh_range_make(const struct bvh_item *items, uint32_t begin, uint32_t end);

@@ -54,7 +54,7 @@ static uint32_t tree_of(const struct prep_plan *p, const struct shape *s)
 static void tree_open(struct prep_tree *t, uint64_t triangles, uint64_t others,
                       struct arena *scratch)
 {
-    t->items = arena_alloc(scratch, triangles + others, sizeof *t->items, 64);
+    t->items = arena_alloc(&t->item_arena, triangles + others, sizeof *t->items, 64);
     t->triangles = arena_new(scratch, struct stage_triangle, triangles);
     t->prims = arena_new(scratch, uint32_t, triangles);
 }
@@ -290,6 +290,13 @@ static void add_cylinder(struct prep_plan *p, uint32_t shape, const struct shape
 
 /* --- shared meshes --- */
 
+static void plan_tree(struct prep_tree *tree, const struct crew *crew)
+{
+    tree->plan = bvh_plan_make(tree->items, tree->item_count, crew);
+    tree->items = NULL;
+    arena_release(&tree->item_arena);
+}
+
 static void plan_mesh(struct prep_plan *p, const struct mesh *mesh, struct prep_tree *tree,
                       const struct crew *crew)
 {
@@ -301,7 +308,7 @@ static void plan_mesh(struct prep_plan *p, const struct mesh *mesh, struct prep_
         if (add_triangle(p, tree, v, &area))
             tree->prims[index] = index;
     }
-    tree->plan = bvh_plan_make(tree->items, tree->item_count, crew);
+    plan_tree(tree, crew);
 }
 
 /* By cofactors, in double. */
@@ -341,13 +348,12 @@ static struct bvh_box bound_instance(const struct prep_tree *tree, const struct 
 {
     struct bvh_box box = bvh_box_empty();
     const struct bvh_plan *plan = &tree->plan;
-    const struct bvh_node *top = plan->node_count ? plan->parts[0].chunks[0] : NULL;
+    const struct bvh_node *top = plan->node_count ? bvh_part_node(&plan->parts[0], 0) : NULL;
     for (int i = 0; top && top->used >> i; i++)
         bound_corners(x, vec3_make(top->plane[0][i], top->plane[1][i], top->plane[2][i]),
                       vec3_make(top->plane[3][i], top->plane[4][i], top->plane[5][i]), &box);
     if (!top && plan->part_count)
-        bound_corners(x, bvh_box_lo(&plan->parts[0].range.box),
-                      bvh_box_hi(&plan->parts[0].range.box), &box);
+        bound_corners(x, bvh_box_lo(&plan->box), bvh_box_hi(&plan->box), &box);
     return box;
 }
 
@@ -420,9 +426,9 @@ void prep_shapes(struct prep_plan *p, const struct crew *crew)
         add_shape(p, i);
     p->shapes[p->scene->shape_count].prim_begin = p->head.prim_count;
     struct prep_tree *world = &p->trees[0];
-    world->plan = bvh_plan_make(world->items, world->item_count, crew);
+    plan_tree(world, crew);
     if (world->item_count) {
-        const struct bvh_box *box = &world->plan.parts[0].range.box;
+        const struct bvh_box *box = &world->plan.box;
         vec3_store(p->head.bounds[0], bvh_box_lo(box));
         vec3_store(p->head.bounds[1], bvh_box_hi(box));
     }
