@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "common/trace/bvh_split.h"
 
+#include <assert.h>
+
 enum {
     BINS = 32,   /* at most */
     STRAY = 128, /* items of the wrong side that are noted before any is moved */
@@ -118,6 +120,8 @@ static void few_init(struct few *f, const struct bvh_item *items, uint32_t count
     }
 }
 
+_Static_assert(BVH_FEW == 16, "two vectors of middles");
+
 /* An item's place is the number of those before it: no branch can be mispredicted. Equal ones stay
  * in their order. */
 static void sort(const float middle[BVH_FEW], uint32_t count, uint32_t order[BVH_FEW])
@@ -233,7 +237,8 @@ struct zone {
     struct bvh_box middles; /* of those looked at that belong here */
 };
 
-/* Which side an item belongs to. */
+/* Which side an item belongs to: computed as bin_of does, so that sides have the items that were
+ * counted in their bins. */
 struct side_test {
     u32x8 axis;
     f32x8 lo, scale, at; /* along it, eight times */
@@ -296,6 +301,7 @@ static void partition(struct bvh_item *items, const struct grid *g, const struct
             *b = item;
         }
     }
+    assert(z[0].begin == z[0].count && z[1].begin == z[1].count);
     part[0].middles = z[0].middles;
     part[1].middles = z[1].middles;
 }
