@@ -82,23 +82,22 @@ static void bound(const struct stage_triangle *triangles, uint32_t count, struct
     for (uint32_t i = 0; i < count; i++) {
         vec3 lo, hi;
         tri_bounds(&triangles[i], &lo, &hi);
-        vec3_store(items[i].lo, lo);
-        vec3_store(items[i].hi, hi);
-        items[i].index = prims[i] = i;
-        items[i].kind = BVH_BLOCK;
+        items[i] = bvh_item_make(BVH_BLOCK, i, lo, hi);
+        prims[i] = i;
     }
 }
 
 int64_t ours_build(const struct stage *s)
 {
     const uint32_t count = s->prim_count;
-    struct arena input = {0}, arena = {0};
+    struct arena input = {0}, item_arena = {0}, arena = {0};
     const struct stage_triangle *triangles = triangles_of(s, &input);
     const int64_t begin = clock_process_cpu_us();
-    struct bvh_item *items = arena_alloc(&arena, count, sizeof *items, 64);
+    struct bvh_item *items = arena_alloc(&item_arena, count, sizeof *items, 64);
     uint32_t *prims = arena_new(&arena, uint32_t, count);
     bound(triangles, count, items, prims);
     struct bvh_plan plan = bvh_plan_make(items, count, NULL);
+    arena_release(&item_arena);
     const struct bvh_site site = {arena_alloc(&arena, plan.node_count, sizeof(struct bvh_node), 64),
                                   0, BVH_NODE_LINES * plan.node_count};
     bvh_plan_write(&plan, &site, NULL);

@@ -371,6 +371,37 @@ static void test_depth(void)
     scenes_release(&s);
 }
 
+/* So many that the builder has parts, and one for the floor and what lies about it. */
+static void test_floor(void)
+{
+    enum { COUNT = 100000 };
+    struct scenes s;
+    scenes_init(&s, 1, 1);
+    struct dice d = dice_make(9);
+    float(*v)[3] = soup_vertices(&s, COUNT);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        const vec3 at = soup_point(&d, 1);
+        for (uint32_t k = 0; k < 3; k++)
+            vec3_store(v[3 * i + k], at + soup_point(&d, 0.01));
+    }
+    for (uint32_t i = 0; i < 6;
+         i++) /* (-4, -4) to (4, 4), in the middle of the dust's lower side */
+        vec3_store(v[i], vec3_make(i % 3 == 1 ? 4 : -4, -1, (i < 3) == (i % 3 == 2) ? 4 : -4));
+    const struct stage *stage = stage_of(&s, v, COUNT);
+    const struct bvh_node *root = stage_at(stage, stage->nodes);
+    const struct stage_block *blocks = stage_at(stage, stage->blocks);
+    const uint64_t first = stage->nodes.count * BVH_NODE_LINES;
+    bool found = false;
+    for (uint32_t k = 0; root->used >> k; k++)
+        if (bvh_ref_kind(root->child[k]) == BVH_BLOCK) {
+            const uint64_t lines = bvh_ref_index(root->child[k]) - first;
+            for (uint32_t i = 0; i < STAGE_LANES; i++)
+                found |= blocks[lines / BVH_BLOCK_LINES].prim[i] == 0;
+        }
+    ok(found, "a floor under dust: a child of the root, not of another node as large");
+    scenes_release(&s);
+}
+
 static void test_determinism(void)
 {
     struct scenes s;
@@ -406,6 +437,7 @@ int main(void)
     test_holes();
     test_build_time();
     test_depth();
+    test_floor();
     test_determinism();
     return tap_done();
 }

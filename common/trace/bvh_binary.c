@@ -6,7 +6,8 @@
 
 struct pending {
     struct bvh_range range;
-    uint32_t parent, side, depth; /* parent of node 0: itself */
+    uint32_t first; /* of a second child: the first one, the next node after its parent; else 0 */
+    uint32_t depth;
 };
 
 static uint32_t ceil_log2(uint32_t n)
@@ -20,10 +21,18 @@ bool bvh_binary_is_leaf(const struct bvh_range *r)
     return count == 1 || (r->weight == count && count <= BVH_LEAF_WEIGHT);
 }
 
-bool bvh_binary_is_part(const struct bvh_binary_limits *l, const struct bvh_range *r)
+/* How many times larger than expected a part's surface may be, cubed. */
+#define PART_EXCESS 8.0f
+
+static bool is_part(const struct bvh_binary_limits *l, const struct bvh_range *whole,
+                    const struct bvh_range *r)
 {
     const uint32_t count = r->end - r->begin;
-    return count >= l->part_least && count <= l->part_most;
+    if (count < l->part_least || count > l->part_most)
+        return false;
+    const float items = (float)count / (float)(whole->end - whole->begin);
+    const float area = bvh_half_area(&r->box) / bvh_half_area(&whole->box);
+    return !(area * area * area > PART_EXCESS * items * items);
 }
 
 static uint32_t new_node(struct bvh_binary *b)
@@ -63,24 +72,25 @@ static void distribute(struct bvh_binary_node *n, const struct bvh_binary_node *
     }
 }
 
-static void choose(const struct bvh_binary *b, struct bvh_binary_node *n)
+static void choose(const struct bvh_binary *b, uint32_t i)
 {
-    const float area = bvh_half_area(&n->range.box);
+    struct bvh_binary_node *n = bvh_binary_at(b, i);
+    const float area = bvh_half_area(&n->box);
     float cost[BVH_WIDTH];
-    if (!n->child[0]) {
-        for (int i = 0; i < BVH_WIDTH; i++) {
-            n->cost[i] = area;
-            n->shape[i] = 1;
+    if (!n->second) {
+        for (int k = 0; k < BVH_WIDTH; k++) {
+            n->cost[k] = area;
+            n->shape[k] = 1;
         }
         return;
     }
-    distribute(n, bvh_binary_at(b, n->child[0]), bvh_binary_at(b, n->child[1]), cost);
+    distribute(n, bvh_binary_at(b, i + 1), bvh_binary_at(b, n->second), cost);
     n->cost[0] = area + cost[BVH_WIDTH - 1];
     n->shape[0] = 1;
-    for (int i = 1; i < BVH_WIDTH; i++) {
-        const bool more = cost[i] < n->cost[i - 1];
-        n->cost[i] = more ? cost[i] : n->cost[i - 1];
-        n->shape[i] = more ? (unsigned char)(i + 1) : n->shape[i - 1];
+    for (int k = 1; k < BVH_WIDTH; k++) {
+        const bool more = cost[k] < n->cost[k - 1];
+        n->cost[k] = more ? cost[k] : n->cost[k - 1];
+        n->shape[k] = more ? (unsigned char)(k + 1) : n->shape[k - 1];
     }
 }
 
@@ -95,16 +105,16 @@ static uint32_t collect(const struct bvh_binary *b, uint32_t n, uint32_t count,
         return 1;
     }
     const uint32_t left = node->left[shape - 1];
-    const uint32_t first = collect(b, node->child[0], left, child);
-    return first + collect(b, node->child[1], shape - left, child + first);
+    const uint32_t first = collect(b, n + 1, left, child);
+    return first + collect(b, node->second, shape - left, child + first);
 }
 
 uint32_t bvh_binary_children(const struct bvh_binary *b, uint32_t n, uint32_t child[BVH_WIDTH])
 {
     const struct bvh_binary_node *node = bvh_binary_at(b, n);
     const uint32_t left = node->left[BVH_WIDTH - 1];
-    const uint32_t first = collect(b, node->child[0], left, child);
-    return first + collect(b, node->child[1], BVH_WIDTH - left, child + first);
+    const uint32_t first = collect(b, n + 1, left, child);
+    return first + collect(b, node->second, BVH_WIDTH - left, child + first);
 }
 
 /* --- the tree --- */
@@ -116,24 +126,27 @@ struct bvh_binary bvh_binary_make(struct bvh_item *items, const struct bvh_range
     struct bvh_binary b = {.arena = arena};
     struct pending stack[BVH_MAX_DEPTH + 2];
     uint32_t waiting = 0;
-    stack[waiting++] = (struct pending){*range, 0, 0, limits->depth};
+    stack[waiting++] = (struct pending){*range, 0, limits->depth};
     while (waiting) {
         const struct pending p = stack[--waiting];
         const uint32_t i = new_node(&b);
         struct bvh_binary_node *n = bvh_binary_at(&b, i);
-        n->range = p.range;
-        if (i)
-            bvh_binary_at(&b, p.parent)->child[p.side] = i;
-        if (bvh_binary_is_leaf(&p.range) || (i && bvh_binary_is_part(limits, &p.range)))
+        n->box = p.range.box;
+        n->begin = p.range.begin;
+        n->end = p.range.end;
+        n->weight = p.range.weight;
+        if (p.first)
+            bvh_binary_at(&b, p.first - 1)->second = i;
+        if (bvh_binary_is_leaf(&p.range) || (i && is_part(limits, range, &p.range)))
             continue;
         assert(p.depth <= BVH_MAX_DEPTH);
         const bool by_count = p.depth + ceil_log2(p.range.end - p.range.begin) >= BVH_MAX_DEPTH;
         struct bvh_range half[2];
         bvh_split(items, &p.range, by_count, half);
-        stack[waiting++] = (struct pending){half[1], i, 1, p.depth + 1};
-        stack[waiting++] = (struct pending){half[0], i, 0, p.depth + 1};
+        stack[waiting++] = (struct pending){half[1], i + 1, p.depth + 1};
+        stack[waiting++] = (struct pending){half[0], 0, p.depth + 1};
     }
     for (uint32_t i = b.count; i-- > 0;)
-        choose(&b, bvh_binary_at(&b, i));
+        choose(&b, i);
     return b;
 }

@@ -24,9 +24,10 @@
 enum { BVH_BINARY_CHUNK = 256 };
 
 struct bvh_binary_node {
-    struct bvh_range range;
-    uint32_t child[2];              /* 0: none, it is not split further */
-    float cost[BVH_WIDTH];          /* [i - 1]: as i children or fewer */
+    struct bvh_box box;
+    uint32_t begin, end, weight; /* of its items */
+    uint32_t second;             /* its second child, the first one being the next node; 0: none */
+    float cost[BVH_WIDTH];       /* [i - 1]: as i children or fewer */
     unsigned char shape[BVH_WIDTH]; /* [i - 1]: as how many; 1: as a node of its own */
     unsigned char left[BVH_WIDTH];  /* [i - 1]: of exactly i children, those of the left side */
 };
@@ -42,16 +43,23 @@ static inline struct bvh_binary_node *bvh_binary_at(const struct bvh_binary *b, 
     return &b->chunks[i / BVH_BINARY_CHUNK][i % BVH_BINARY_CHUNK];
 }
 
-/* A range is not split further here when it is a leaf, or of so few items that another part does
- * it. */
+/* But for its middles: to be split it must be few items (bvh_split.h). */
+static inline struct bvh_range bvh_binary_range(const struct bvh_binary_node *n)
+{
+    return (struct bvh_range){n->begin, n->end, n->weight, n->box, bvh_box_empty()};
+}
+
+/* A range is not split further here when it is a leaf, or another part does it. A part is a node
+ * of its own, whatever the choice would be, so it must be small in both ways: few items, and no
+ * larger than a range of so few is, the surface of n of N items being some (n / N)^(2/3) of the
+ * whole. Else the floor of a hall, found in one part with the dust that lies on it, would lie
+ * below a second node of its size. */
 struct bvh_binary_limits {
     uint32_t depth;                 /* of node 0 */
     uint32_t part_least, part_most; /* items of a part; most 0: there are no parts */
 };
 
 bool bvh_binary_is_leaf(const struct bvh_range *);
-bool bvh_binary_is_part(const struct bvh_binary_limits *, const struct bvh_range *);
-
 /* Node 0 is the whole range. Items are reordered. Memory of the arena. */
 struct bvh_binary bvh_binary_make(struct bvh_item *, const struct bvh_range *,
                                   const struct bvh_binary_limits *, struct arena *);

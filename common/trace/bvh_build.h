@@ -18,30 +18,44 @@
 #include "common/trace/bvh_split.h"
 #include "common/trace/crew.h"
 
-struct bvh_leaf { /* items of a block, half-open */
-    uint32_t begin, end;
+/* Pieces of memory are small enough that what a part does not use of its last ones is little. */
+enum { BVH_NODE_PIECE = 32, BVH_LEAF_PIECE = 128 };
+
+struct bvh_leaf {                   /* a block to be */
+    uint32_t triangle[STAGE_LANES]; /* STAGE_NONE: an empty lane */
 };
 
 struct bvh_part {
-    struct bvh_range range;
-    uint32_t depth; /* of its first node; then of its deepest */
+    uint32_t begin, end; /* of its items */
+    uint32_t depth;      /* of its first node; then of its deepest */
     struct arena arena;
-    struct bvh_node **chunks;
-    struct bvh_leaf *leaves;
+    struct bvh_node **nodes;  /* BVH_NODE_PIECE each */
+    struct bvh_leaf **leaves; /* BVH_LEAF_PIECE each */
     uint32_t node_count, leaf_count;
     uint32_t node_begin, leaf_begin; /* within the plan */
 };
 
+static inline struct bvh_node *bvh_part_node(const struct bvh_part *part, uint32_t i)
+{
+    return &part->nodes[i / BVH_NODE_PIECE][i % BVH_NODE_PIECE];
+}
+
+static inline struct bvh_leaf *bvh_part_leaf(const struct bvh_part *part, uint32_t i)
+{
+    return &part->leaves[i / BVH_LEAF_PIECE][i % BVH_LEAF_PIECE];
+}
+
 struct bvh_plan {
-    struct bvh_item *items;
+    struct bvh_item *items; /* while it is made */
     struct bvh_part *parts; /* the first one holds the root and leads to the others */
     uint32_t part_count, part_room;
     uint32_t node_count, leaf_count, depth;
-    uint32_t root; /* counted from the plan's first node, or leaf; BVH_NOTHING without items */
+    struct bvh_box box; /* of all items */
+    uint32_t root;      /* counted from the plan's first node, or leaf; BVH_NOTHING without items */
     struct arena arena;
 };
 
-/* items are reordered and must stay until the plan is released. */
+/* items are reordered, and not needed afterwards. */
 struct bvh_plan bvh_plan_make(struct bvh_item *items, uint32_t count, const struct crew *);
 
 struct bvh_site {           /* where a plan's nodes and blocks will lie in the stage */

@@ -164,9 +164,11 @@ static void place_emitters(const struct prep_plan *p, struct emitter *emitters,
     for (uint32_t i = 0; i < world->plan.part_count; i++) {
         const struct bvh_part *part = &world->plan.parts[i];
         for (uint32_t n = 0; n < part->leaf_count; n++)
-            for (uint32_t k = part->leaves[n].begin; k < part->leaves[n].end; k++)
-                lane_of[world->items[k].index] =
-                    STAGE_LANES * (part->leaf_begin + n) + k - part->leaves[n].begin;
+            for (uint32_t lane = 0; lane < STAGE_LANES; lane++) {
+                const uint32_t triangle = bvh_part_leaf(part, n)->triangle[lane];
+                if (triangle != STAGE_NONE)
+                    lane_of[triangle] = STAGE_LANES * (part->leaf_begin + n) + lane;
+            }
     }
     for (uint64_t i = 0; i < p->head.emitters.count; i++)
         if (emitters[i].kind == EMITTER_PRIM && emitters[i].place.kind == STAGE_TRIANGLE)

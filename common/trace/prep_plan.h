@@ -7,7 +7,8 @@
 
 /* A tree to be, and its triangles in the order in which they were added. */
 struct prep_tree {
-    struct bvh_item *items;
+    struct bvh_item *items;           /* until the plan is made, which is before the block is: */
+    struct arena item_arena;          /* their memory */
     struct stage_triangle *triangles; /* of the world: in world space; of a mesh: in object space */
     uint32_t *prims;                  /* their numbers, in the scene or in the mesh */
     uint32_t item_count, triangle_count;

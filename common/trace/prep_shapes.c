@@ -54,7 +54,7 @@ static uint32_t tree_of(const struct prep_plan *p, const struct shape *s)
 static void tree_open(struct prep_tree *t, uint64_t triangles, uint64_t others,
                       struct arena *scratch)
 {
-    t->items = arena_alloc(scratch, triangles + others, sizeof *t->items, 64);
+    t->items = arena_alloc(&t->item_arena, triangles + others, sizeof *t->items, 64);
     t->triangles = arena_new(scratch, struct stage_triangle, triangles);
     t->prims = arena_new(scratch, uint32_t, triangles);
 }
@@ -122,11 +122,7 @@ bool prep_plan_make(struct prep_plan *p, const struct scene *scene, struct arena
 
 static void add_item(struct prep_tree *t, enum bvh_ref_kind kind, uint64_t index, vec3 lo, vec3 hi)
 {
-    struct bvh_item *item = &t->items[t->item_count++];
-    vec3_store(item->lo, lo);
-    vec3_store(item->hi, hi);
-    item->index = (uint32_t)index;
-    item->kind = kind;
+    t->items[t->item_count++] = bvh_item_make(kind, (uint32_t)index, lo, hi);
 }
 
 /* The number of the next primitive; area in m^2. Radiance L from a Lambertian emitter of area A is
@@ -294,6 +290,13 @@ static void add_cylinder(struct prep_plan *p, uint32_t shape, const struct shape
 
 /* --- shared meshes --- */
 
+static void plan_tree(struct prep_tree *tree, const struct crew *crew)
+{
+    tree->plan = bvh_plan_make(tree->items, tree->item_count, crew);
+    tree->items = NULL;
+    arena_release(&tree->item_arena);
+}
+
 static void plan_mesh(struct prep_plan *p, const struct mesh *mesh, struct prep_tree *tree,
                       const struct crew *crew)
 {
@@ -305,7 +308,7 @@ static void plan_mesh(struct prep_plan *p, const struct mesh *mesh, struct prep_
         if (add_triangle(p, tree, v, &area))
             tree->prims[index] = index;
     }
-    tree->plan = bvh_plan_make(tree->items, tree->item_count, crew);
+    plan_tree(tree, crew);
 }
 
 /* By cofactors, in double. */
@@ -336,23 +339,21 @@ static void bound_corners(const struct xform *x, vec3 lo, vec3 hi, struct bvh_bo
         const vec3 p =
             xform_point(x, vec3_make(corner & 1 ? hi[0] : lo[0], corner & 2 ? hi[1] : lo[1],
                                      corner & 4 ? hi[2] : lo[2]));
-        box->lo = vec3_min(p, box->lo);
-        box->hi = vec3_max(p, box->hi);
+        bvh_box_grow(box, bvh_box_make(p, p));
     }
 }
 
 /* Of the boxes of the top node's children: tighter than the corners of one box. */
 static struct bvh_box bound_instance(const struct prep_tree *tree, const struct xform *x)
 {
-    const float inf = __builtin_inff();
-    struct bvh_box box = {{inf, inf, inf, 0}, {-inf, -inf, -inf, 0}};
+    struct bvh_box box = bvh_box_empty();
     const struct bvh_plan *plan = &tree->plan;
-    const struct bvh_node *top = plan->node_count ? plan->parts[0].chunks[0] : NULL;
+    const struct bvh_node *top = plan->node_count ? bvh_part_node(&plan->parts[0], 0) : NULL;
     for (int i = 0; top && top->used >> i; i++)
         bound_corners(x, vec3_make(top->plane[0][i], top->plane[2][i], top->plane[4][i]),
                       vec3_make(top->plane[1][i], top->plane[3][i], top->plane[5][i]), &box);
     if (!top && plan->part_count)
-        bound_corners(x, plan->parts[0].range.box.lo, plan->parts[0].range.box.hi, &box);
+        bound_corners(x, bvh_box_lo(&plan->box), bvh_box_hi(&plan->box), &box);
     return box;
 }
 
@@ -376,11 +377,12 @@ static void add_instance(struct prep_plan *p, uint32_t shape, const struct shape
         to->spread[k] = round_up((float)sum);
     }
     const struct bvh_box box = bound_instance(&p->trees[tree], &s->to_world);
-    vec3_store(to->lo, box.lo);
-    vec3_store(to->hi, box.hi);
+    const vec3 lo = bvh_box_lo(&box), hi = bvh_box_hi(&box);
+    vec3_store(to->lo, lo);
+    vec3_store(to->hi, hi);
     p->head.instances.count++;
     p->head.prim_count += p->trees[tree].triangle_count;
-    add_item(&p->trees[0], BVH_INSTANCE, index, box.lo, box.hi);
+    add_item(&p->trees[0], BVH_INSTANCE, index, lo, hi);
 }
 
 /* --- all of it --- */
@@ -424,10 +426,10 @@ void prep_shapes(struct prep_plan *p, const struct crew *crew)
         add_shape(p, i);
     p->shapes[p->scene->shape_count].prim_begin = p->head.prim_count;
     struct prep_tree *world = &p->trees[0];
-    world->plan = bvh_plan_make(world->items, world->item_count, crew);
+    plan_tree(world, crew);
     if (world->item_count) {
-        const struct bvh_box *box = &world->plan.parts[0].range.box;
-        vec3_store(p->head.bounds[0], box->lo);
-        vec3_store(p->head.bounds[1], box->hi);
+        const struct bvh_box *box = &world->plan.box;
+        vec3_store(p->head.bounds[0], bvh_box_lo(box));
+        vec3_store(p->head.bounds[1], bvh_box_hi(box));
     }
 }

@@ -53,6 +53,16 @@ static inline u32x8 u32x8_splat(uint32_t x)
     return (u32x8){x, x, x, x, x, x, x, x};
 }
 
+static inline vec3 f32x8_low(f32x8 v)
+{
+    return __builtin_shufflevector(v, v, 0, 1, 2, 3);
+}
+
+static inline vec3 f32x8_high(f32x8 v)
+{
+    return __builtin_shufflevector(v, v, 4, 5, 6, 7);
+}
+
 /* Each component as a[i] * b[j] - a[j] * b[i]; lane 3 comes of the lanes 3. */
 static inline f64x4 f64x4_cross(f64x4 a, f64x4 b)
 {
@@ -147,6 +157,12 @@ static inline f32x8 f32x8_choose(i32x8 m, f32x8 a, f32x8 b)
     return (f32x8)_mm256_blendv_ps((__m256)b, (__m256)a, (__m256)m);
 }
 
+/* v[lane], eight times. */
+static inline f32x8 f32x8_spread(f32x8 v, u32x8 lane)
+{
+    return (f32x8)_mm256_permutevar8x32_ps((__m256)v, (__m256i)lane);
+}
+
 static inline f32x8 f32x8_sqrt(f32x8 a)
 {
     return (f32x8)_mm256_sqrt_ps((__m256)a);
@@ -234,6 +250,11 @@ static inline f32x8 f32x8_max(f32x8 a, f32x8 b)
 static inline f32x8 f32x8_choose(i32x8 m, f32x8 a, f32x8 b)
 {
     return (f32x8)(((i32x8)a & m) | ((i32x8)b & ~m));
+}
+
+static inline f32x8 f32x8_spread(f32x8 v, u32x8 lane)
+{
+    return f32x8_splat(v[lane[0]]);
 }
 
 static inline f32x8 f32x8_sqrt(f32x8 a)
