@@ -68,68 +68,69 @@ static inline void bvh_fetch(const struct bvh_query *q, uint32_t ref)
 bool bvh_leaf_hit(const struct bvh_query *, const struct box8_ray *world, uint32_t ref, bool any,
                   struct bvh_best *);
 
+/* The lowest bit set, which there is. As 64 bits, so that nothing has to be extended. */
+static inline uint64_t bvh_lowest(uint64_t bits)
+{
+    return (uint64_t)__builtin_ctzll(bits);
+}
+
 /* The nearest child is returned to go on with, the others wait on the stack, the nearer above. One
  * or two are the rule: for them there is nothing to mispredict but the number. */
 static inline __attribute__((always_inline)) uint32_t bvh_nearest_child(const struct bvh_query *q,
-                                                                    const struct bvh_node *node,
-                                                                    uint32_t hits, f32x8 near,
-                                                                    bvh_entry *stack, uint32_t *waiting)
+                                                                        const struct bvh_node *node,
+                                                                        uint64_t hits, f32x8 near,
+                                                                        bvh_entry **top)
 {
-    uint32_t i = (uint32_t)__builtin_ctz(hits);
+    uint64_t i = bvh_lowest(hits);
     hits &= hits - 1;
     if (!hits)
         return node->child[i];
     _Alignas(32) uint32_t t[BVH_WIDTH];
     f32x8_store_bits(t, near);
     bvh_entry first = bvh_entry_make(t[i], node->child[i]);
-    i = (uint32_t)__builtin_ctz(hits);
+    i = bvh_lowest(hits);
     hits &= hits - 1;
     bvh_entry second = bvh_entry_make(t[i], node->child[i]);
     bvh_entry_order(&first, &second);
     bvh_fetch(q, (uint32_t)second);
-    uint32_t top = *waiting;
-    const uint32_t bottom = top;
-    stack[top++] = second;
-    while (hits) {
-        i = (uint32_t)__builtin_ctz(hits);
-        hits &= hits - 1;
+    bvh_entry *const bottom = *top;
+    *(*top)++ = second;
+    for (; hits; hits &= hits - 1) {
+        i = bvh_lowest(hits);
         bvh_entry next = bvh_entry_make(t[i], node->child[i]);
         bvh_entry_order(&first, &next);
         bvh_fetch(q, (uint32_t)next);
-        uint32_t at = top++;
-        for (; at > bottom && stack[at - 1] < next; at--)
-            stack[at] = stack[at - 1];
-        stack[at] = next;
+        bvh_entry *at = (*top)++;
+        for (; at > bottom && at[-1] < next; at--)
+            at[0] = at[-1];
+        *at = next;
     }
-    *waiting = top;
     return (uint32_t)first;
 }
 
 /* inside: the instance whose tree it is, or NULL. any: the first hit will do, in no order. True: it
  * has been found. Inlined, so that there is one loop for each answer. */
-static inline __attribute__((always_inline)) bool bvh_walk(const struct bvh_query *q,
-                                                       const struct box8_ray *box,
-                                                       const struct bvh_space *inside, uint32_t ref,
-                                                       bool any, struct bvh_best *best)
+static inline __attribute__((always_inline)) bool
+bvh_walk(const struct bvh_query *q, const struct box8_ray *box, const struct bvh_space *inside,
+         uint32_t ref, bool any, struct bvh_best *best)
 {
-    bvh_entry stack[BVH_STACK];
-    uint32_t waiting = 0;
+    bvh_entry stack[BVH_STACK], *top = stack;
     for (;;) {
         while (ref < bvh_ref_make(BVH_NODE + 1, 0)) {
             const struct bvh_node *node = bvh_data_at(q, ref);
             f32x8 near, far;
-            uint32_t hits = box8_hit(box, node->plane, best->t, &near, &far) & node->used;
+            uint64_t hits = box8_hit(box, node->plane, best->t, &near, &far) & node->used;
             if (!hits)
                 goto next;
             if (!any) {
-                ref = bvh_nearest_child(q, node, hits, near, stack, &waiting);
+                ref = bvh_nearest_child(q, node, hits, near, &top);
                 continue;
             }
-            ref = node->child[__builtin_ctz(hits)];
+            ref = node->child[bvh_lowest(hits)];
             for (hits &= hits - 1; hits; hits &= hits - 1) {
-                const uint32_t other = node->child[__builtin_ctz(hits)];
+                const uint32_t other = node->child[bvh_lowest(hits)];
                 bvh_fetch(q, other);
-                stack[waiting++] = other;
+                *top++ = other;
             }
         }
         if (bvh_ref_kind(ref) == BVH_BLOCK) {
@@ -144,10 +145,10 @@ static inline __attribute__((always_inline)) bool bvh_walk(const struct bvh_quer
             */
         const bvh_entry limit = any ? UINT64_MAX : bvh_entry_limit(best->t);
         do {
-            if (!waiting)
+            if (top == stack)
                 return false;
-        } while (stack[--waiting] > limit);
-        ref = (uint32_t)stack[waiting];
+        } while (*--top > limit);
+        ref = (uint32_t)*top;
     }
 }
 
