@@ -10,13 +10,33 @@
 #include "common/trace/ray.h"
 #include "common/trace/rng.h"
 #include "common/trace/stage.h"
+#include "common/trace/surface.h"
+#include "common/trace/warp.h"
 
-/* Roulette starts after this many bounces: before, paths are few, and most light is theirs. */
-enum { PATH_ROULETTE_BEGIN = 3 };
+/* The first bounce after which a path may be ended by chance. */
+enum { PATH_ROULETTE_BEGIN = 1 };
 
-/* One unbiased estimate of the radiance that arrives along the ray (of unit direction), cut at
+struct path_vertex { /* where a ray has arrived */
+    struct surface at;
+    struct warp_frame frame;
+    const struct material *material;
+    vec3 wo; /* where the ray came from; local */
+};
+
+/* A camera ray: what a path and its sibling (rng.h) have in common. */
+struct path_start {
+    rgb light;                 /* of the sky, or of the vertex itself */
+    bool ends;                 /* nothing else comes along the ray */
+    struct path_vertex vertex; /* where it is scattered, unless it ends */
+};
+
+/* The ray's direction: unit. */
+void path_begin(const struct stage *, struct ray, struct path_start *);
+
+/* One unbiased estimate of the radiance that arrives along the ray, cut at
  * settings.max_bounces scattering events. roulette_begin: the first bounce after which a path may
  * be ended by chance; UINT32_MAX for never. */
-rgb path_radiance(const struct stage *, struct ray, const struct rng *, uint32_t roulette_begin);
+rgb path_radiance(const struct stage *, const struct path_start *, const struct rng *,
+                  uint32_t roulette_begin);
 
 #endif

@@ -18,6 +18,9 @@ struct octet {
     uint32_t x_px, y_px;
     struct rng_pixel rng;
     struct camera_rays rays;
+    uint32_t elder;                           /* whose rays they are; UINT32_MAX: nobody's */
+    bool begun[FILM_REPLICATES];              /* start is the elder's, too */
+    struct path_start start[FILM_REPLICATES]; /* for two siblings each */
 };
 
 static void octet_init(struct octet *o, const struct stage *s, uint32_t x_px, uint32_t y_px)
@@ -25,6 +28,7 @@ static void octet_init(struct octet *o, const struct stage *s, uint32_t x_px, ui
     o->stage = s;
     o->x_px = x_px;
     o->y_px = y_px;
+    o->elder = UINT32_MAX;
     rng_pixel_init(&o->rng, s->settings.seed, x_px, y_px);
 }
 
@@ -32,19 +36,29 @@ static void octet_init(struct octet *o, const struct stage *s, uint32_t x_px, ui
 static void octet_go(struct octet *o, uint32_t index)
 {
     const struct stage *s = o->stage;
-    const struct sobol8_square q = rng_pixel_go(&o->rng, index);
+    rng_pixel_go(&o->rng, index);
+    if (o->elder == index / 2)
+        return;
+    o->elder = index / 2;
+    const struct sobol8_square q = rng_pixel_filter(&o->rng);
     const f32x8 x = (float)o->x_px + 0.5f + camera_filter(&s->film, q.u);
     const f32x8 y = (float)o->y_px + 0.5f + camera_filter(&s->film, q.v);
     camera_rays(&s->camera, x, y, &o->rays);
+    for (int i = 0; i < FILM_REPLICATES; i++)
+        o->begun[i] = false;
 }
 
-static rgb octet_sample(const struct octet *o, uint32_t replicate)
+static rgb octet_sample(struct octet *o, uint32_t replicate)
 {
     const struct stage *s = o->stage;
-    const struct ray ray = camera_rays_at(&s->camera, &o->rays, replicate);
+    struct path_start *start = &o->start[replicate];
     switch (s->settings.integrator) {
     case INTEGRATOR_PATH:
-        return path_radiance(s, ray, &o->rng.replicate[replicate], PATH_ROULETTE_BEGIN);
+        if (!o->begun[replicate]) {
+            path_begin(s, camera_rays_at(&s->camera, &o->rays, replicate), start);
+            o->begun[replicate] = true;
+        }
+        return path_radiance(s, start, &o->rng.replicate[replicate], PATH_ROULETTE_BEGIN);
     }
     __builtin_unreachable();
 }
