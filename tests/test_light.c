@@ -31,14 +31,18 @@ static struct surface receiver_of(const struct stage *stage)
 struct scenery {
     const struct stage *stage;
     struct surface from;
-    struct dice *dice; /* for the pick */
 };
+
+static struct sobol_bits bits_of(struct square q)
+{
+    return (struct sobol_bits){(uint32_t)((double)q.u * 0x1p32), (uint32_t)((double)q.v * 0x1p32)};
+}
 
 static bool direction_sample(const void *what, struct square q, vec3 *w, float *pdf_w)
 {
     const struct scenery *c = what;
     struct light_sample light;
-    if (!light_sample(c->stage, &c->from, dice_bits(c->dice), q, &light))
+    if (!light_sample(c->stage, &c->from, bits_of(q), &light))
         return false;
     *w = light.wi;
     *pdf_w = light.pdf_w;
@@ -61,9 +65,8 @@ static float direction_pdf_w(const void *what, vec3 w)
 
 static void judge(struct scenes *s, float pdf_most, const char *name)
 {
-    struct dice dice = dice_make(4);
     const struct stage *stage = scenes_stage(s);
-    const struct scenery c = {stage, receiver_of(stage), &dice};
+    const struct scenery c = {stage, receiver_of(stage)};
     const struct sphere_chi2 t = {direction_sample, direction_pdf_w, &c, 3, pdf_most};
     const struct sphere_chi2_result r = sphere_chi2_run(&t, 300000 / STAT_SLOW, 1);
     ok(r.p > stat_sidak(0.01, 8), "%s: directions follow the pdf (p %.3f)", name, r.p);
@@ -128,7 +131,7 @@ static void tiny_and_far_spheres(void)
                 q.u = dice_float(&dice);
                 q.v = dice_float(&dice);
                 struct light_sample light;
-                good &= light_sample(stage, &from, 0, q, &light) && light.pdf_w > 0;
+                good &= light_sample(stage, &from, bits_of(q), &light) && light.pdf_w > 0;
                 good &= vec3_dot(light.wi, vec3_make(0, 1, 0)) > 0;
                 sum += (double)(light.value[0]) / 1000;
             }
@@ -165,7 +168,7 @@ static void cylinders_fill_their_solid_angle(void)
         for (int k = 0; k < N * N; k++) {
             struct light_sample light;
             const struct square q = {((float)(k / N) + .5f) / N, ((float)(k % N) + .5f) / N};
-            if (light_sample(stage, &from, 0, q, &light))
+            if (light_sample(stage, &from, bits_of(q), &light))
                 sum += (double)light.value[0] / ((double)N * N);
         }
         const double solid =
@@ -180,8 +183,7 @@ static void cylinders_fill_their_solid_angle(void)
 /* Every sample at every corner is finite; and where it is chosen, the light is seen unoccluded. */
 static void corners_are_finite(void)
 {
-    static const float edge[] = {0, 0x1p-24f, 0.25f, 0.5f, 0.75f, 1 - 0x1p-23f, 1 - 0x1p-24f};
-    static const uint32_t pick[] = {0,          1,          0x3fffffff, 0x80000000,
+    static const uint32_t edge[] = {0,          1,          0x3fffffff, 0x80000000,
                                     0xbfffffff, 0xfffffffe, 0xffffffff};
     struct scenes s;
     const uint32_t black = begin(&s);
@@ -190,7 +192,8 @@ static void corners_are_finite(void)
     scenes_quad(&s, black, vec3_make(0, 1, 1), vec3_make(1, 0, 0), vec3_make(0, 0, 2))->emission =
         rgb_gray(.3f);
     scenes_disc(&s, black, vec3_make(0, 1, -3), vec3_make(0, 0, 1), 1)->emission = rgb_gray(2);
-    scenes_cylinder(&s, black, vec3_make(2, 1, 1), vec3_make(1, 2, 2), .1f)->emission = rgb_gray(2);
+    scenes_cylinder(&s, black, vec3_make(2, 1, 1), vec3_make(1.5f, 2, 1.2f), .1f)->emission =
+        rgb_gray(2);
     struct light *bulb = scenes_light(&s, LIGHT_POINT), *sun = scenes_light(&s, LIGHT_DISTANT);
     vec3_store(bulb->point.position, vec3_make(-2, 1, 2));
     bulb->point.intensity = rgb_gray(1);
@@ -199,16 +202,20 @@ static void corners_are_finite(void)
     const struct stage *stage = scenes_stage(&s);
     const struct surface from = receiver_of(stage);
     int bad = 0, dark = 0;
-    for (size_t n = 0; n < countof(edge) * countof(edge) * countof(pick); n++) {
+    const float *cdf = stage_at(stage, stage->pick_cdf);
+    for (size_t n = 0; n < countof(edge) * countof(edge) * stage->emitters.count; n++) {
+        /* The corners of each emitter's part of the square */
+        const size_t e = n / 49;
+        const double begin_u = (double)cdf[e] * 0x1p32, end_u = (double)cdf[e + 1] * 0x1p32;
+        const double u = begin_u + (end_u - begin_u) * (edge[n % 7] * 0x1p-32);
         struct light_sample light;
-        if (!light_sample(stage, &from, pick[n / 49], (struct square){edge[n % 7], edge[n / 7 % 7]},
-                          &light))
+        if (!light_sample(stage, &from, (struct sobol_bits){(uint32_t)u, edge[n / 7 % 7]}, &light))
             continue;
         dark += bvh_hit_any(stage, &light.shadow);
         bad += !(light.value[0] > 0 && isfinite(light.value[0]) && light.pdf_w >= 0 &&
                  isfinite(light.pdf_w) && fabsf(vec3_length(light.wi) - 1) < 1e-6f);
     }
-    ok(bad == 0, "corners of the unit cube give finite samples (%d bad)", bad);
+    ok(bad == 0, "corners of the unit square give finite samples (%d bad)", bad);
     ok(dark == 0, "no light is in its own shadow, not at its corners (%d are)", dark);
     scenes_release(&s);
 }
@@ -232,13 +239,14 @@ static void picks_follow_table(void)
     for (uint32_t i = 0; i < n; i++) {
         const uint32_t bits = i * 0x9e3779b1u; /* all of [0, 2^32) evenly */
         struct light_sample light;
-        if (!light_sample(stage, &from, bits, (struct square){.5f, .5f}, &light))
+        if (!light_sample(stage, &from, (struct sobol_bits){bits, 1u << 31}, &light))
             continue;
         for (int k = 0; k < LIGHTS; k++) {
-            struct surface at = surface_on_sphere(stage, catalog_id(stage, emitters[k].prim), -light.wi);
+            struct surface at =
+                surface_on_sphere(stage, catalog_id(stage, emitters[k].prim), -light.wi);
             at.emitter = (uint32_t)k;
             const vec3 d = vec3_unit(at.p - from.p);
-            if (vec3_dot(d, light.wi) > 0.9999f) {
+            if (vec3_dot(d, light.wi) > 0.9997f) {
                 seen[k]++;
                 chosen[k] = (double)light.pdf_w / (double)light_pdf_w(stage, from.p, &at);
             }

@@ -274,6 +274,42 @@ static void error_bars_cover(void)
     scenes_release(&s);
 }
 
+/* Two images of the same scene with other seeds differ by as much as both bars say. Weighted as
+ * relMSE is, so that not only the brightest pixels count. */
+static void error_bars_are_true(uint32_t spp)
+{
+    enum { SIDE = 24 };
+    const uint32_t pairs = STAT_SLOW == 1 ? 24 : 8;
+    double apart = 0, said = 0;
+    for (uint32_t k = 0; k < pairs; k++) {
+        struct film film[2];
+        for (uint32_t i = 0; i < 2; i++) {
+            struct scenes s;
+            mixed(&s, SIDE, false);
+            s.scene.settings.seed = 2 * k + i;
+            scenes_render(scenes_stage(&s), spp, &film[i]);
+            scenes_release(&s);
+        }
+        for (size_t p = 0; p < SIDE * SIDE; p++) {
+            double mean[2][3], error[2][3];
+            for (int i = 0; i < 2; i++) {
+                film_mean(&film[i], p, mean[i]);
+                estimate_pixel(&film[i], p, error[i]);
+            }
+            for (int c = 0; c < 3; c++) {
+                const double level = mean[0][c] + mean[1][c] + 0.01;
+                const double off = (mean[0][c] - mean[1][c]) / level;
+                const double bar = hypot(error[0][c], error[1][c]) / level;
+                apart += off * off;
+                said += bar * bar;
+            }
+        }
+        for (int i = 0; i < 2; i++)
+            film_release(&film[i]);
+    }
+    near(apart / said, 1, 0.1, "squared differences at %u spp over what the bars say of them", spp);
+}
+
 int main(void)
 {
     agrees_with_naive();
@@ -282,5 +318,7 @@ int main(void)
     invalid_samples_are_noted();
     sums_stay_exact();
     error_bars_cover();
+    error_bars_are_true(16);
+    error_bars_are_true(64);
     return tap_done();
 }

@@ -184,21 +184,27 @@ static void bits_are_fixed(void)
 /* Sample 8 index + i of a pixel, in lane i. */
 static void octets_are_the_same(void)
 {
-    int other = 0;
+    int other = 0, stranger = 0;
     for (uint32_t p = 0; p < 2000; p++) {
         struct rng_pixel pixel;
         rng_pixel_init(&pixel, p, p * 7, p * 13);
         const uint32_t index = p * 977 % (1u << 21);
-        const struct sobol8_square eight = rng_pixel_go(&pixel, index);
+        rng_pixel_go(&pixel, index);
+        const struct sobol8_square eight = rng_pixel_filter(&pixel);
         for (uint32_t i = 0; i < FILM_REPLICATES; i++) {
             const struct rng r = rng_make(p, p * 7, p * 13, index * FILM_REPLICATES + i);
-            const struct square one = rng_pair(&r, RNG_FILTER);
+            const struct rng elder = rng_elder(&r);
+            const struct rng half = rng_make(p, p * 7, p * 13, index / 2 * FILM_REPLICATES + i);
+            const struct square one = rng_pair(&elder, RNG_FILTER);
             other += pixel.replicate[i].key != r.key ||
-                     pixel.replicate[i].index_reversed != r.index_reversed ||
-                     eight.u[i] != one.u || eight.v[i] != one.v;
+                     pixel.replicate[i].index_reversed != r.index_reversed || eight.u[i] != one.u ||
+                     eight.v[i] != one.v;
+            stranger += half.key != elder.key || half.index_reversed != elder.index_reversed;
         }
     }
     ok(other == 0, "eight samples at once are the eight samples: %d differ", other);
+    ok(stranger == 0, "point k of a replicate is the elder of 2 k and 2 k + 1: of %d it is not",
+       stranger);
 }
 
 int main(void)

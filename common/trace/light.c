@@ -18,11 +18,10 @@ static double pick_probability(const struct stage *s, uint32_t emitter)
     return (double)cdf[emitter + 1] - (double)cdf[emitter];
 }
 
-/* The emitter whose part of the cumulative table holds u = bits 2^-32. */
-static uint32_t pick_emitter(const struct stage *s, uint32_t bits)
+/* The emitter whose part of the cumulative table holds u. */
+static uint32_t pick_emitter(const struct stage *s, double u)
 {
     const float *cdf = stage_at(s, s->pick_cdf);
-    const double u = bits * 0x1p-32;
     uint32_t begin = 0, end = (uint32_t)s->emitters.count; /* cdf[begin] <= u < cdf[end] */
     while (end - begin > 1) {
         const uint32_t middle = begin + (end - begin) / 2;
@@ -32,6 +31,15 @@ static uint32_t pick_emitter(const struct stage *s, uint32_t bits)
             end = middle;
     }
     return begin;
+}
+
+/* Where u lies in that part, which is not empty: uniform in [0, 1) again. */
+static float pick_rest(const struct stage *s, uint32_t emitter, double u)
+{
+    const float *cdf = stage_at(s, s->pick_cdf);
+    const double rest = (u - (double)cdf[emitter]) / pick_probability(s, emitter);
+    const uint32_t bits = (uint32_t)(rest * 0x1p24);
+    return sobol_float((bits < 1u << 24 ? bits : (1u << 24) - 1) << 8);
 }
 
 /* --- triangles and discs: uniform by area --- */
@@ -165,17 +173,19 @@ static bool sample_primitive(const struct stage *s, const struct surface *from,
     return true;
 }
 
-bool light_sample(const struct stage *s, const struct surface *from, uint32_t pick,
-                  struct square position, struct light_sample *out)
+bool light_sample(const struct stage *s, const struct surface *from, struct sobol_bits q,
+                  struct light_sample *out)
 {
     if (s->emitters.count == 0)
         return false;
-    const uint32_t chosen = pick_emitter(s, pick);
+    const double u = (q.u + 0.5) * 0x1p-32; /* the middle of what the bits stand for */
+    const uint32_t chosen = pick_emitter(s, u);
     const double probability = pick_probability(s, chosen);
     const struct emitter *e = emitter_at(s, chosen);
     switch (e->kind) {
     case EMITTER_PRIM:
-        return sample_primitive(s, from, e, probability, position, out);
+        return sample_primitive(s, from, e, probability,
+                                (struct square){pick_rest(s, chosen, u), sobol_float(q.v)}, out);
     case EMITTER_POINT: {
         const vec3 d = vec3_load(e->at) - from->p;
         const float dd = vec3_dot(d, d);
@@ -206,7 +216,8 @@ float light_pdf_w(const struct stage *s, vec3 from, const struct surface *at)
     case STAGE_DISC:
         return pick * area_pdf_w(at->p - from, at->ng, e->area);
     case STAGE_CYLINDER: {
-        const struct light_cylinder view = light_cylinder_make(cylinder_at(s, e->place.index), from);
+        const struct light_cylinder view =
+            light_cylinder_make(cylinder_at(s, e->place.index), from);
         return pick * cylinder_pdf_w(&view, at->p - from, at->ng);
     }
     case STAGE_SPHERE: {

@@ -1,9 +1,11 @@
 /* light.h - next-event estimation: choosing a direction to a light, and the density of that choice.
  *
- * One emitter is picked by the stage's pick_cdf, then a point on it: triangles and discs uniformly
- * by area, spheres uniformly by the solid angle they fill, cylinders nearly so (light_cylinder.h),
- * point and distant lights as they are.
- * Emission is one-sided: only the front of a surface shines.
+ * A point of the square picks one emitter: its u falls into a part of the stage's pick_cdf, and
+ * where in that part is a u again. So points that are spread evenly over the square are spread so
+ * over neighbours in the table, such as the triangles of a quad. Then a point on the emitter:
+ * triangles and discs uniformly by area, spheres uniformly by the solid angle they fill, cylinders
+ * nearly so (light_cylinder.h), point and distant lights as they are. Emission is one-sided: only
+ * the front of a surface shines.
  *
  * The sky is no emitter here. It has one radiance everywhere, so sampling it would be sampling the
  * sphere blindly: the BSDF's own sampling is never worse, and finds it with weight 1.
@@ -22,9 +24,9 @@ struct light_sample {
     struct ray shadow; /* hits nothing: the light is seen */
 };
 
-/* pick: 32 random bits. False: nothing arrives from what was chosen. */
-bool light_sample(const struct stage *, const struct surface *from, uint32_t pick,
-                  struct square position, struct light_sample *);
+/* False: nothing arrives from what was chosen. */
+bool light_sample(const struct stage *, const struct surface *from, struct sobol_bits,
+                  struct light_sample *);
 
 /* The density with which light_sample at `from` would have chosen the front side of `at`, a point
  * of an emissive primitive seen from there. */

@@ -14,15 +14,17 @@ static float mis_weight(float a, float b)
     return 1 / (1 + r * r);
 }
 
-/* Russian roulette: the chance to go on. It is the path's throughput, relative to what it started
- * with: `scale` is what refraction alone has put into it, which leaving the glass takes out again.
- * Survivors then all carry the same weight. In a furnace of albedo a the chance is a per bounce
- * and the variance a mu^2: it is finite exactly when the chance exceeds a^2 (the second moment of
- * the series must converge), and a > a^2 always. A channel weaker than the strongest only
- * gains. J. Arvo, D. Kirk, "Particle Transport and Image Synthesis", SIGGRAPH 1990. */
-static float survival(rgb throughput, float scale)
+/* Russian roulette: the chance to go on. `share` is the path's throughput, relative to what its
+ * first scattering left of it: what all paths of the pixel have lost alike makes none of them less
+ * important. (And relative to what refraction alone has put into it, which leaving the glass takes
+ * out again.) Nothing happens to a share of a half; from there on survivors all carry a half. A
+ * smaller bound spends rays on paths that hardly count, a larger one ends those that reach a lamp
+ * through glass. In a furnace of albedo a the chance becomes a per bounce: the variance is finite
+ * exactly when the chance exceeds a^2 (the second moment of the series must converge), and a > a^2
+ * always. J. Arvo, D. Kirk, "Particle Transport and Image Synthesis", SIGGRAPH 1990. */
+static float survival(float share)
 {
-    const float q = rgb_max(throughput) / scale;
+    const float q = 2 * share;
     return q < 1 ? q : 1;
 }
 
@@ -70,7 +72,7 @@ void path_begin(const struct stage *s, const struct ray rays[], uint32_t count,
 struct path {
     rgb light; /* found so far */
     rgb throughput;
-    float scale; /* the part of throughput that is change of radiance by refraction */
+    float scale; /* what roulette divides out of throughput */
     float pdf_w; /* of the last direction; 0: a delta lobe's, which next-event estimation cannot
                   * make */
     struct path_vertex vertex;
@@ -103,11 +105,9 @@ static void light_directly(struct wave *w, uint32_t path)
     const struct rng *rng = &w->rngs[path];
     if (s->emitters.count == 0 || bsdf_is_delta(m))
         return;
-    const uint32_t pick =
-        s->emitters.count > 1 ? rng_bits(rng, rng_dimension(w->bounce, RNG_LIGHT_PICK)) : 0;
-    const struct square position = rng_pair(rng, rng_dimension(w->bounce, RNG_LIGHT_POSITION));
+    const struct sobol_bits place = rng_pair_bits(rng, rng_dimension(w->bounce, RNG_LIGHT));
     struct light_sample light;
-    if (!light_sample(s, &v->at, pick, position, &light))
+    if (!light_sample(s, &v->at, place, &light))
         return;
     const vec3 wi = warp_to_local(&v->frame, light.wi);
     rgb f = bsdf_eval(m, v->wo, wi);
@@ -136,13 +136,13 @@ static bool scatter(struct wave *w, uint32_t path, uint32_t roulette_begin, stru
     p->throughput *= next.weight;
     if (rgb_is_black(p->throughput))
         return false;
-    p->scale *= next.scale;
+    p->scale = w->bounce == 0 ? rgb_max(p->throughput) : p->scale * next.scale;
     p->pdf_w = next.pdf_w;
     const vec3 dir = warp_to_world(&v->frame, next.wi);
     if (!(vec3_dot(dir, v->at.ng) * next.wi[2] > 0)) /* rounding put it on the wrong side */
         return false;
-    if (w->bounce >= roulette_begin) {
-        const float q = survival(p->throughput, p->scale);
+    if (w->bounce >= roulette_begin) { /* a channel weaker than the strongest only gains */
+        const float q = survival(rgb_max(p->throughput) / p->scale);
         if (q < 1) {
             if (rng_single(rng, rng_dimension(w->bounce, RNG_ROULETTE)) >= q)
                 return false;

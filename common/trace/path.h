@@ -18,8 +18,7 @@
 
 enum {
     PATH_WAVE = 8, /* the most paths at once */
-    /* Roulette starts after this many bounces: before, paths are few, and most light is theirs. */
-    PATH_ROULETTE_BEGIN = 3,
+    PATH_ROULETTE_BEGIN = 1, /* the first bounce after which a path may be ended by chance */
 };
 
 struct path_vertex { /* where a ray has arrived */
@@ -29,7 +28,7 @@ struct path_vertex { /* where a ray has arrived */
     vec3 wo; /* where the ray came from; local */
 };
 
-struct path_start {            /* a camera ray */
+struct path_start {            /* a camera ray: what a path and its sibling (rng.h) share */
     rgb light;                 /* of the sky, or of the vertex itself */
     bool ends;                 /* nothing else comes along the ray */
     struct path_vertex vertex; /* where it is scattered, unless it ends */

@@ -20,6 +20,9 @@ struct octet {
     uint32_t x_px, y_px;
     struct rng_pixel rng;
     struct camera_rays rays;
+    uint32_t elder;                           /* whose rays they are; UINT32_MAX: nobody's */
+    uint32_t begun;                           /* bit i: starts[i] is the elder's, too */
+    struct path_start starts[FILM_REPLICATES]; /* for two siblings each */
 };
 
 static void octet_init(struct octet *o, const struct stage *s, uint32_t x_px, uint32_t y_px)
@@ -27,6 +30,7 @@ static void octet_init(struct octet *o, const struct stage *s, uint32_t x_px, ui
     o->stage = s;
     o->x_px = x_px;
     o->y_px = y_px;
+    o->elder = UINT32_MAX;
     rng_pixel_init(&o->rng, s->settings.seed, x_px, y_px);
 }
 
@@ -34,25 +38,39 @@ static void octet_init(struct octet *o, const struct stage *s, uint32_t x_px, ui
 static void octet_go(struct octet *o, uint32_t index)
 {
     const struct stage *s = o->stage;
-    const struct sobol8_square q = rng_pixel_go(&o->rng, index);
+    rng_pixel_go(&o->rng, index);
+    if (o->elder == index / 2)
+        return;
+    o->elder = index / 2;
+    o->begun = 0;
+    const struct sobol8_square q = rng_pixel_filter(&o->rng);
     const f32x8 x = (float)o->x_px + 0.5f + camera_filter(&s->film, q.u);
     const f32x8 y = (float)o->y_px + 0.5f + camera_filter(&s->film, q.v);
     camera_rays(&s->camera, x, y, &o->rays);
 }
 
+/* The camera rays of replicates [begin, end). */
+static void octet_begin(struct octet *o, uint32_t begin, uint32_t end)
+{
+    struct ray rays[FILM_REPLICATES];
+    const uint32_t wanted = (1u << end) - (1u << begin);
+    if ((o->begun & wanted) == wanted)
+        return;
+    for (uint32_t i = begin; i < end; i++)
+        rays[i - begin] = camera_rays_at(&o->stage->camera, &o->rays, i);
+    path_begin(o->stage, rays, end - begin, &o->starts[begin]);
+    o->begun |= wanted;
+}
+
 /* Radiance of those with replicates [begin, end). */
-static void octet_radiance(const struct octet *o, uint32_t begin, uint32_t end, rgb radiance[])
+static void octet_radiance(struct octet *o, uint32_t begin, uint32_t end, rgb radiance[])
 {
     const struct stage *s = o->stage;
-    struct ray rays[FILM_REPLICATES];
-    struct path_start starts[FILM_REPLICATES];
-    for (uint32_t i = begin; i < end; i++)
-        rays[i - begin] = camera_rays_at(&s->camera, &o->rays, i);
     switch (s->settings.integrator) {
     case INTEGRATOR_PATH:
-        path_begin(s, rays, end - begin, starts);
-        path_radiance(s, starts, &o->rng.replicate[begin], end - begin, PATH_ROULETTE_BEGIN,
-                      radiance);
+        octet_begin(o, begin, end);
+        path_radiance(s, &o->starts[begin], &o->rng.replicate[begin], end - begin,
+                      PATH_ROULETTE_BEGIN, radiance);
         return;
     }
     __builtin_unreachable();

@@ -3,10 +3,14 @@
  * There is no state: whoever asks for the same number gets the same bits, in any order. Sample i
  * of a pixel is point i / 8 of replicate i mod 8 (film.h); a replicate is a scramble of its own.
  *
+ * Points 2 k and 2 k + 1 of a replicate, samples 16 k + r and 16 k + 8 + r, are siblings: they
+ * start with the same camera ray. Its place in the pixel is drawn from their elder, which is point
+ * k of the replicate (rng_elder); all other numbers are their own.
+ *
  * The dimension map is fixed. A number that a path does not need is not made, and shifts no other:
  *
  *     0                     the pixel filter, a pair
- *     1 + 5 bounce + p      purpose p below, at each bounce; a pair or a single number
+ *     1 + 4 bounce + p      purpose p below, at each bounce; a pair or a single number
  * SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_RNG_H
 #define COMMON_TRACE_RNG_H
@@ -16,8 +20,7 @@
 #include "common/trace/sobol8.h"
 
 enum rng_purpose {
-    RNG_LIGHT_PICK,     /* 32 bits: which emitter */
-    RNG_LIGHT_POSITION, /* pair: where on it */
+    RNG_LIGHT,          /* pair: which emitter, and where on it */
     RNG_BSDF_DIRECTION, /* pair */
     RNG_BSDF_LOBE,      /* single: reflection or refraction */
     RNG_ROULETTE,       /* single */
@@ -58,6 +61,11 @@ static inline struct rng rng_make(uint64_t seed, uint32_t x_px, uint32_t y_px, u
         sobol_reverse(sample / FILM_REPLICATES)};
 }
 
+static inline struct rng rng_elder(const struct rng *r)
+{
+    return (struct rng){r->key, r->index_reversed << 1};
+}
+
 static inline uint32_t rng_dimension(uint32_t bounce, enum rng_purpose purpose)
 {
     return 1 + bounce * RNG_PURPOSES + purpose;
@@ -85,6 +93,12 @@ static inline struct square rng_pair(const struct rng *r, uint32_t dimension)
 {
     const struct rng_pair_seeds s = rng_pair_seeds(r, dimension);
     return sobol_pair(r->index_reversed, s.shuffle, s.scramble_u, s.scramble_v);
+}
+
+static inline struct sobol_bits rng_pair_bits(const struct rng *r, uint32_t dimension)
+{
+    const struct rng_pair_seeds s = rng_pair_seeds(r, dimension);
+    return sobol_pair_bits(r->index_reversed, s.shuffle, s.scramble_u, s.scramble_v);
 }
 
 static inline uint32_t rng_bits(const struct rng *r, uint32_t dimension)
@@ -117,14 +131,18 @@ static inline void rng_pixel_init(struct rng_pixel *p, uint64_t seed, uint32_t x
     }
 }
 
-/* All go to point `index` of theirs: samples 8 index to 8 index + 7 of the pixel. Returns their
- * pairs for the filter. */
-static inline struct sobol8_square rng_pixel_go(struct rng_pixel *p, uint32_t index)
+/* All go to point `index` of theirs: samples 8 index to 8 index + 7 of the pixel. */
+static inline void rng_pixel_go(struct rng_pixel *p, uint32_t index)
 {
     const uint32_t reversed = sobol_reverse(index);
     for (uint32_t i = 0; i < FILM_REPLICATES; i++)
         p->replicate[i].index_reversed = reversed;
-    return sobol8_pair(u32x8_splat(reversed), &p->filter);
+}
+
+/* The elders' pairs for the filter: the same for both siblings. */
+static inline struct sobol8_square rng_pixel_filter(const struct rng_pixel *p)
+{
+    return sobol8_pair(u32x8_splat(rng_elder(&p->replicate[0]).index_reversed), &p->filter);
 }
 
 #endif

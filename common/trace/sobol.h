@@ -20,6 +20,10 @@ struct square { /* a point of the unit square: both in [0, 1), multiples of 2^-2
     float u, v;
 };
 
+struct sobol_bits { /* the same with all their bits: multiples of 2^-32 */
+    uint32_t u, v;
+};
+
 static inline uint32_t sobol_reverse(uint32_t x)
 {
     x = __builtin_bswap32(x);
@@ -74,14 +78,21 @@ static inline uint32_t sobol_first_bits(uint32_t index_reversed, uint32_t shuffl
     return sobol_reverse(sobol_scramble(index, scramble));
 }
 
-static inline struct square sobol_pair(uint32_t index_reversed, uint32_t shuffle,
-                                       uint32_t scramble_u, uint32_t scramble_v)
+static inline struct sobol_bits sobol_pair_bits(uint32_t index_reversed, uint32_t shuffle,
+                                                uint32_t scramble_u, uint32_t scramble_v)
 {
     const uint32_t index = sobol_reverse(sobol_scramble(index_reversed, shuffle));
     const uint32_t u = sobol_scramble(index, scramble_u);
     const uint32_t v = sobol_scramble(sobol_second(index), scramble_v);
     const uint64_t both = sobol_reverse_both((uint64_t)v << 32 | u);
-    return (struct square){sobol_float((uint32_t)(both >> 32)), sobol_float((uint32_t)both)};
+    return (struct sobol_bits){(uint32_t)(both >> 32), (uint32_t)both};
+}
+
+static inline struct square sobol_pair(uint32_t index_reversed, uint32_t shuffle,
+                                       uint32_t scramble_u, uint32_t scramble_v)
+{
+    const struct sobol_bits b = sobol_pair_bits(index_reversed, shuffle, scramble_u, scramble_v);
+    return (struct square){sobol_float(b.u), sobol_float(b.v)};
 }
 
 #endif
