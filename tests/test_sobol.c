@@ -207,6 +207,30 @@ static void octets_are_the_same(void)
        stranger);
 }
 
+/* What a wave of paths draws. */
+static void eights_are_the_same(void)
+{
+    int other = 0;
+    for (uint32_t p = 0; p < 2000; p++) {
+        struct rng r[8];
+        struct rng8 eight;
+        const uint32_t count = 1 + p % 8;
+        for (uint32_t i = 0; i < count; i++)
+            r[i] = rng_make(p, i, p, p * 31 + i * 8191);
+        rng8_make(&eight, r, count);
+        const struct sobol8_square pair = rng8_pair(&eight, p);
+        const struct sobol8_bits bits = rng8_pair_bits(&eight, p + 1);
+        const f32x8 single = rng8_single(&eight, p + 2);
+        for (uint32_t i = 0; i < count; i++) {
+            const struct square q = rng_pair(&r[i], p);
+            const struct sobol_bits b = rng_pair_bits(&r[i], p + 1);
+            other += q.u != pair.u[i] || q.v != pair.v[i] || b.u != bits.u[i] ||
+                     b.v != bits.v[i] || rng_single(&r[i], p + 2) != single[i];
+        }
+    }
+    ok(other == 0, "eight generators' numbers at once are each one's own: %d differ", other);
+}
+
 int main(void)
 {
     pairs_are_nets();
@@ -217,5 +241,6 @@ int main(void)
     smooth_integrals_converge();
     bits_are_fixed();
     octets_are_the_same();
+    eights_are_the_same();
     return tap_done();
 }

@@ -76,14 +76,19 @@ struct path {
     float pdf_w; /* of the last direction; 0: a delta lobe's, which next-event estimation cannot
                   * make */
     struct path_vertex vertex;
-    struct square direction; /* the numbers for the next one */
 };
 
 struct wave {
     const struct stage *stage;
-    const struct rng *rngs;
-    uint32_t bounce;
+    struct rng8 rng;
+    uint32_t bounce, roulette_begin;
     struct path paths[PATH_WAVE];
+
+    /* A bounce's random numbers, by path: made for all at once, which costs less than for two of
+     * them alone. */
+    struct sobol8_bits lamp;
+    struct sobol8_square direction;
+    f32x8 lobe, roulette;
 
     uint32_t going; /* paths that have a next ray */
     uint32_t path_of[PATH_WAVE];
@@ -102,10 +107,9 @@ static void light_directly(struct wave *w, uint32_t path)
     const struct path *p = &w->paths[path];
     const struct path_vertex *v = &p->vertex;
     const struct material *m = v->material;
-    const struct rng *rng = &w->rngs[path];
     if (s->emitters.count == 0 || bsdf_is_delta(m))
         return;
-    const struct sobol_bits place = rng_pair_bits(rng, rng_dimension(w->bounce, RNG_LIGHT));
+    const struct sobol_bits place = {w->lamp.u[path], w->lamp.v[path]};
     struct light_sample light;
     if (!light_sample(s, &v->at, place, &light))
         return;
@@ -122,16 +126,13 @@ static void light_directly(struct wave *w, uint32_t path)
 }
 
 /* The next ray; false: there is none. */
-static bool scatter(struct wave *w, uint32_t path, uint32_t roulette_begin, struct ray *ray)
+static bool scatter(struct wave *w, uint32_t path, struct ray *ray)
 {
     struct path *p = &w->paths[path];
     const struct path_vertex *v = &p->vertex;
-    const struct rng *rng = &w->rngs[path];
-    const float lobe = bsdf_has_lobes(v->material)
-                           ? rng_single(rng, rng_dimension(w->bounce, RNG_BSDF_LOBE))
-                           : 0;
+    const struct square direction = {w->direction.u[path], w->direction.v[path]};
     struct bsdf_sample next;
-    if (!bsdf_sample(v->material, v->wo, lobe, p->direction, &next))
+    if (!bsdf_sample(v->material, v->wo, w->lobe[path], direction, &next))
         return false;
     p->throughput *= next.weight;
     if (rgb_is_black(p->throughput))
@@ -141,10 +142,10 @@ static bool scatter(struct wave *w, uint32_t path, uint32_t roulette_begin, stru
     const vec3 dir = warp_to_world(&v->frame, next.wi);
     if (!(vec3_dot(dir, v->at.ng) * next.wi[2] > 0)) /* rounding put it on the wrong side */
         return false;
-    if (w->bounce >= roulette_begin) { /* a channel weaker than the strongest only gains */
+    if (w->bounce >= w->roulette_begin) { /* a channel weaker than the strongest only gains */
         const float q = survival(rgb_max(p->throughput) / p->scale);
         if (q < 1) {
-            if (rng_single(rng, rng_dimension(w->bounce, RNG_ROULETTE)) >= q)
+            if (w->roulette[path] >= q)
                 return false;
             p->throughput /= q;
         }
@@ -162,8 +163,6 @@ static bool arrive(struct wave *w, uint32_t path, const struct ray *ray, const s
         p->light += p->throughput * s->sky;
         return false;
     }
-    /* Drawn here, because it takes as long as the vertex and waits for nothing */
-    p->direction = rng_pair(&w->rngs[path], rng_dimension(w->bounce + 1, RNG_BSDF_DIRECTION));
     const vec3 from = p->vertex.at.p;
     p->vertex = vertex_make(s, ray, hit);
 
@@ -177,16 +176,31 @@ static bool arrive(struct wave *w, uint32_t path, const struct ray *ray, const s
     return w->bounce + 1 < s->settings.max_bounces;
 }
 
+static void draw(struct wave *w)
+{
+    bool lobes = false;
+    for (uint32_t i = 0; i < w->going; i++)
+        lobes = lobes || bsdf_has_lobes(w->paths[w->path_of[i]].vertex.material);
+    w->direction = rng8_pair(&w->rng, rng_dimension(w->bounce, RNG_BSDF_DIRECTION));
+    if (w->stage->emitters.count > 0)
+        w->lamp = rng8_pair_bits(&w->rng, rng_dimension(w->bounce, RNG_LIGHT));
+    if (lobes)
+        w->lobe = rng8_single(&w->rng, rng_dimension(w->bounce, RNG_BSDF_LOBE));
+    if (w->bounce >= w->roulette_begin)
+        w->roulette = rng8_single(&w->rng, rng_dimension(w->bounce, RNG_ROULETTE));
+}
+
 /* All paths from their vertices to the next ones. */
-static void wave_step(struct wave *w, uint32_t roulette_begin)
+static void wave_step(struct wave *w)
 {
     uint32_t going = 0;
+    draw(w);
     w->shadow_count = 0;
     for (uint32_t i = 0; i < w->going; i++) {
         const uint32_t path = w->path_of[i];
         light_directly(w, path);
         w->path_of[going] = path;
-        going += scatter(w, path, roulette_begin, &w->rays[going]);
+        going += scatter(w, path, &w->rays[going]);
     }
     const uint32_t dark = bvh_hit_any_8(w->stage, w->shadows, w->shadow_count);
     for (uint32_t i = 0; i < w->shadow_count; i++)
@@ -209,8 +223,10 @@ void path_radiance(const struct stage *s, const struct path_start starts[], cons
 {
     struct wave w;
     w.stage = s;
-    w.rngs = rngs;
     w.bounce = w.going = 0;
+    w.roulette_begin = roulette_begin;
+    w.lobe = (f32x8){0};
+    rng8_make(&w.rng, rngs, count);
     for (uint32_t i = 0; i < count; i++) {
         struct path *p = &w.paths[i];
         p->light = starts[i].light;
@@ -219,11 +235,10 @@ void path_radiance(const struct stage *s, const struct path_start starts[], cons
         p->throughput = (rgb){1, 1, 1, 0};
         p->scale = 1;
         p->vertex = starts[i].vertex;
-        p->direction = rng_pair(&rngs[i], rng_dimension(0, RNG_BSDF_DIRECTION));
         w.path_of[w.going++] = i;
     }
     while (w.going)
-        wave_step(&w, roulette_begin);
+        wave_step(&w);
     for (uint32_t i = 0; i < count; i++)
         radiance[i] = w.paths[i].light;
 }

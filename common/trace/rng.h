@@ -112,7 +112,79 @@ static inline float rng_single(const struct rng *r, uint32_t dimension)
     return sobol_float(rng_bits(r, dimension));
 }
 
-/* --- the eight replicates of a pixel at once --- */
+/* --- eight at once: the same bits --- */
+
+struct rng8 {
+    u64x4 key[2]; /* of lanes 0 to 3, 4 to 7 */
+    u32x8 index_reversed;
+};
+
+/* Lanes from count on are as lane 0. */
+static inline void rng8_make(struct rng8 *to, const struct rng r[], uint32_t count)
+{
+    struct rng from[8];
+    for (uint32_t i = 0; i < 8; i++)
+        from[i] = r[i < count ? i : 0];
+    for (int i = 0; i < 2; i++)
+        to->key[i] = (u64x4){from[4 * i].key, from[4 * i + 1].key, from[4 * i + 2].key,
+                             from[4 * i + 3].key};
+    to->index_reversed =
+        (u32x8){from[0].index_reversed, from[1].index_reversed, from[2].index_reversed,
+                from[3].index_reversed, from[4].index_reversed, from[5].index_reversed,
+                from[6].index_reversed, from[7].index_reversed};
+}
+
+static inline u64x4 rng8_mix(u64x4 x)
+{
+    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
+    return x ^ x >> 31;
+}
+
+/* The lower, the upper halves of eight numbers. */
+static inline u32x8 rng8_low(const u64x4 x[2])
+{
+    return __builtin_shufflevector((u32x8)x[0], (u32x8)x[1], 0, 2, 4, 6, 8, 10, 12, 14);
+}
+
+static inline u32x8 rng8_high(const u64x4 x[2])
+{
+    return __builtin_shufflevector((u32x8)x[0], (u32x8)x[1], 1, 3, 5, 7, 9, 11, 13, 15);
+}
+
+/* As rng_pair_seeds. */
+static inline void rng8_seeds(const struct rng8 *r, uint32_t dimension, struct sobol8_seeds *s)
+{
+    const uint64_t step = (dimension + 1) * 0x9e3779b97f4a7c15u;
+    const u64x4 h[2] = {rng8_mix(r->key[0] + step), rng8_mix(r->key[1] + step)};
+    const u64x4 third[2] = {h[0] * 0xd1342543de82ef95u, h[1] * 0xd1342543de82ef95u};
+    s->shuffle = rng8_low(h);
+    s->scramble_u = rng8_high(h);
+    s->scramble_v = rng8_high(third);
+}
+
+static inline struct sobol8_bits rng8_pair_bits(const struct rng8 *r, uint32_t dimension)
+{
+    struct sobol8_seeds s;
+    rng8_seeds(r, dimension, &s);
+    return sobol8_pair_bits(r->index_reversed, &s);
+}
+
+static inline struct sobol8_square rng8_pair(const struct rng8 *r, uint32_t dimension)
+{
+    struct sobol8_seeds s;
+    rng8_seeds(r, dimension, &s);
+    return sobol8_pair(r->index_reversed, &s);
+}
+
+static inline f32x8 rng8_single(const struct rng8 *r, uint32_t dimension)
+{
+    struct sobol8_seeds s;
+    rng8_seeds(r, dimension, &s);
+    return sobol8_float(sobol8_first_bits(r->index_reversed, s.shuffle, s.scramble_u));
+}
+
+/* --- the eight replicates of a pixel --- */
 
 struct rng_pixel {
     struct rng replicate[FILM_REPLICATES]; /* at any index */
@@ -122,13 +194,11 @@ struct rng_pixel {
 static inline void rng_pixel_init(struct rng_pixel *p, uint64_t seed, uint32_t x_px, uint32_t y_px)
 {
     const uint64_t key = rng_pixel_key(seed, x_px, y_px);
-    for (uint32_t i = 0; i < FILM_REPLICATES; i++) {
+    struct rng8 eight;
+    for (uint32_t i = 0; i < FILM_REPLICATES; i++)
         p->replicate[i] = (struct rng){rng_replicate_key(key, i), 0};
-        const struct rng_pair_seeds s = rng_pair_seeds(&p->replicate[i], RNG_FILTER);
-        p->filter.shuffle[i] = s.shuffle;
-        p->filter.scramble_u[i] = s.scramble_u;
-        p->filter.scramble_v[i] = s.scramble_v;
-    }
+    rng8_make(&eight, p->replicate, FILM_REPLICATES);
+    rng8_seeds(&eight, RNG_FILTER, &p->filter);
 }
 
 /* All go to point `index` of theirs: samples 8 index to 8 index + 7 of the pixel. */

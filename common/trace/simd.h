@@ -17,6 +17,7 @@ typedef float f32x8 __attribute__((vector_size(32)));
 typedef int32_t i32x8 __attribute__((vector_size(32)));
 typedef uint32_t u32x8 __attribute__((vector_size(32)));
 typedef int32_t i32x4 __attribute__((vector_size(16)));
+typedef uint64_t u64x4 __attribute__((vector_size(32)));
 typedef double f64x4 __attribute__((vector_size(32)));
 
 static inline f32x8 f32x8_load(const float *aligned32)
@@ -151,6 +152,22 @@ static inline f32x8 f32x8_max(f32x8 a, f32x8 b)
     return (f32x8)_mm256_max_ps((__m256)a, (__m256)b);
 }
 
+/* The 32 bits of each in the opposite order: each byte's halves by a table, then the bytes. */
+static inline u32x8 u32x8_reverse(u32x8 x)
+{
+    const __m256i low = _mm256_set1_epi8(15);
+    const __m256i half = _mm256_setr_epi8(
+        0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15, 0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5,
+        13, 3, 11, 7, 15);
+    const __m256i bytes =
+        _mm256_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12, 3, 2, 1, 0, 7, 6, 5,
+                         4, 11, 10, 9, 8, 15, 14, 13, 12);
+    const __m256i a = _mm256_shuffle_epi8(half, _mm256_and_si256((__m256i)x, low));
+    const __m256i b =
+        _mm256_shuffle_epi8(half, _mm256_and_si256(_mm256_srli_epi32((__m256i)x, 4), low));
+    return (u32x8)_mm256_shuffle_epi8(_mm256_or_si256(_mm256_slli_epi32(a, 4), b), bytes);
+}
+
 /* Lane by lane a where m is -1, b where it is 0. */
 static inline f32x8 f32x8_choose(i32x8 m, f32x8 a, f32x8 b)
 {
@@ -245,6 +262,15 @@ static inline f32x8 f32x8_max(f32x8 a, f32x8 b)
     for (int i = 0; i < 8; i++)
         b[i] = a[i] > b[i] ? a[i] : b[i];
     return b;
+}
+
+static inline u32x8 u32x8_reverse(u32x8 x)
+{
+    x = x << 16 | x >> 16;
+    x = (x & 0x00ff00ff) << 8 | (x >> 8 & 0x00ff00ff);
+    x = (x & 0x0f0f0f0f) << 4 | (x >> 4 & 0x0f0f0f0f);
+    x = (x & 0x33333333) << 2 | (x >> 2 & 0x33333333);
+    return (x & 0x55555555) << 1 | (x >> 1 & 0x55555555);
 }
 
 static inline f32x8 f32x8_choose(i32x8 m, f32x8 a, f32x8 b)

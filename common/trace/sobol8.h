@@ -1,4 +1,4 @@
-/* sobol8.h - sobol.h, eight points at once: one of each replicate (rng.h). The same bits.
+/* sobol8.h - sobol.h, eight points at once. The same bits.
  * SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_SOBOL8_H
 #define COMMON_TRACE_SOBOL8_H
@@ -6,21 +6,16 @@
 #include "common/trace/simd.h"
 
 struct sobol8_seeds { /* of a pair, by lane */
-    _Alignas(32) uint32_t shuffle[8], scramble_u[8], scramble_v[8];
+    u32x8 shuffle, scramble_u, scramble_v;
+};
+
+struct sobol8_bits {
+    u32x8 u, v;
 };
 
 struct sobol8_square { /* points of the unit square */
     f32x8 u, v;
 };
-
-static inline u32x8 sobol8_reverse(u32x8 x)
-{
-    x = x << 16 | x >> 16;
-    x = (x & 0x00ff00ff) << 8 | (x >> 8 & 0x00ff00ff);
-    x = (x & 0x0f0f0f0f) << 4 | (x >> 4 & 0x0f0f0f0f);
-    x = (x & 0x33333333) << 2 | (x >> 2 & 0x33333333);
-    return (x & 0x55555555) << 1 | (x >> 1 & 0x55555555);
-}
 
 static inline u32x8 sobol8_scramble(u32x8 x, u32x8 seed)
 {
@@ -45,13 +40,24 @@ static inline f32x8 sobol8_float(u32x8 bits)
     return __builtin_convertvector((i32x8)(bits >> 8), f32x8) * 0x1p-24f;
 }
 
+static inline u32x8 sobol8_first_bits(u32x8 index_reversed, u32x8 shuffle, u32x8 scramble)
+{
+    const u32x8 index = u32x8_reverse(sobol8_scramble(index_reversed, shuffle));
+    return u32x8_reverse(sobol8_scramble(index, scramble));
+}
+
+static inline struct sobol8_bits sobol8_pair_bits(u32x8 index_reversed, const struct sobol8_seeds *s)
+{
+    const u32x8 index = u32x8_reverse(sobol8_scramble(index_reversed, s->shuffle));
+    const u32x8 u = u32x8_reverse(sobol8_scramble(index, s->scramble_u));
+    const u32x8 v = u32x8_reverse(sobol8_scramble(sobol8_second(index), s->scramble_v));
+    return (struct sobol8_bits){u, v};
+}
+
 static inline struct sobol8_square sobol8_pair(u32x8 index_reversed, const struct sobol8_seeds *s)
 {
-    const u32x8 index = sobol8_reverse(sobol8_scramble(index_reversed, u32x8_load(s->shuffle)));
-    const u32x8 u = sobol8_reverse(sobol8_scramble(index, u32x8_load(s->scramble_u)));
-    const u32x8 v =
-        sobol8_reverse(sobol8_scramble(sobol8_second(index), u32x8_load(s->scramble_v)));
-    return (struct sobol8_square){sobol8_float(u), sobol8_float(v)};
+    const struct sobol8_bits b = sobol8_pair_bits(index_reversed, s);
+    return (struct sobol8_square){sobol8_float(b.u), sobol8_float(b.v)};
 }
 
 #endif
