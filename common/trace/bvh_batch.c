@@ -162,20 +162,48 @@ static inline __attribute__((always_inline)) void walk_together(struct batch *b,
     }
 }
 
-/* Whether the directions have the same signs and are near each other: else there is little to share,
- * and what follows is not worth its price. */
+/* Whether the directions have the same signs and are near each other: else there is little to
+ * share, and what follows is not worth its price. */
 static inline bool agree(const struct ray rays[], uint32_t count)
 {
     const vec3 none = {0}, first = rays[0].dir;
+    const uint32_t signs = i32x4_mask(first < none) & 7;
     vec3 apart = none;
-    uint32_t all = 7, some = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        const uint32_t signs = i32x4_mask(rays[i].dir < none) & 7;
-        all &= signs;
-        some |= signs;
+    if (count <= BATCH_FEW)
+        return false;
+    for (uint32_t i = 1; i < count; i++) {
+        if ((i32x4_mask(rays[i].dir < none) & 7) != signs)
+            return false;
         apart = vec3_max(vec3_abs(rays[i].dir - first), apart);
     }
-    return all == some && count > BATCH_FEW && box8_reach(apart) <= BATCH_SPREAD * box8_reach(first);
+    return box8_reach(apart) <= BATCH_SPREAD * box8_reach(first);
+}
+
+/* One by one, without a call for each. */
+static __attribute__((noinline)) uint32_t alone_closest(const struct stage *s,
+                                                        const struct ray rays[], uint32_t count,
+                                                        struct ray_hit hits[])
+{
+    uint32_t found = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        struct bvh_best best;
+        if (!bvh_ask(s, &rays[i], false, &best))
+            continue;
+        bvh_best_tell(&best, &hits[i]);
+        found |= 1u << i;
+    }
+    return found;
+}
+
+static __attribute__((noinline)) uint32_t alone_any(const struct stage *s, const struct ray rays[],
+                                                    uint32_t count)
+{
+    uint32_t found = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        struct bvh_best best;
+        found |= (uint32_t)bvh_ask(s, &rays[i], true, &best) << i;
+    }
+    return found;
 }
 
 /* False: they have to go one by one. */
@@ -183,37 +211,43 @@ static inline __attribute__((always_inline)) bool batch_go(struct batch *b, cons
                                                            const struct ray rays[], uint32_t count,
                                                            bool any)
 {
-    if (!agree(rays, count) || !batch_init(b, s, rays, count))
+    if (!batch_init(b, s, rays, count))
         return false;
     walk_together(b, bvh_root(s, 0), any);
     return true;
 }
 
-uint32_t bvh_hit_closest_8(const struct stage *s, const struct ray rays[], uint32_t count,
-                           struct ray_hit hits[])
+static __attribute__((noinline)) uint32_t together_closest(const struct stage *s,
+                                                           const struct ray rays[], uint32_t count,
+                                                           struct ray_hit hits[])
 {
     struct batch b;
     uint32_t found = 0;
-    if (batch_go(&b, s, rays, count, false)) {
-        for (uint32_t i = 0; i < count; i++)
-            if (b.best[i].prim != STAGE_NONE) {
-                bvh_best_tell(&b.best[i], &hits[i]);
-                found |= 1u << i;
-            }
-    } else {
-        for (uint32_t i = 0; i < count; i++)
-            found |= (uint32_t)bvh_hit_closest(s, &rays[i], &hits[i]) << i;
-    }
+    if (!batch_go(&b, s, rays, count, false))
+        return alone_closest(s, rays, count, hits);
+    for (uint32_t i = 0; i < count; i++)
+        if (b.best[i].prim != STAGE_NONE) {
+            bvh_best_tell(&b.best[i], &hits[i]);
+            found |= 1u << i;
+        }
     return found;
+}
+
+static __attribute__((noinline)) uint32_t together_any(const struct stage *s,
+                                                       const struct ray rays[], uint32_t count)
+{
+    struct batch b;
+    return batch_go(&b, s, rays, count, true) ? b.found : alone_any(s, rays, count);
+}
+
+uint32_t bvh_hit_closest_8(const struct stage *s, const struct ray rays[], uint32_t count,
+                           struct ray_hit hits[])
+{
+    return agree(rays, count) ? together_closest(s, rays, count, hits)
+                              : alone_closest(s, rays, count, hits);
 }
 
 uint32_t bvh_hit_any_8(const struct stage *s, const struct ray rays[], uint32_t count)
 {
-    struct batch b;
-    uint32_t found = 0;
-    if (batch_go(&b, s, rays, count, true))
-        return b.found;
-    for (uint32_t i = 0; i < count; i++)
-        found |= (uint32_t)bvh_hit_any(s, &rays[i]) << i;
-    return found;
+    return agree(rays, count) ? together_any(s, rays, count) : alone_any(s, rays, count);
 }

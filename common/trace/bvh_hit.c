@@ -35,23 +35,10 @@ bool bvh_leaf_hit(const struct bvh_query *q, const struct box8_ray *world, uint3
                : round_ref_hit(q, ref, any, best);
 }
 
-/* In the world. True: something has been found. */
-static inline __attribute__((always_inline)) bool
-ask(const struct bvh_query *q, const struct box8_ray *world, uint32_t root, bool any,
-    struct bvh_best *best)
-{
-    bvh_best_init(best, q);
-    return bvh_walk(q, world, NULL, root, any, best) || best->prim != STAGE_NONE;
-}
-
 bool bvh_hit_closest(const struct stage *s, const struct ray *ray, struct ray_hit *hit)
 {
-    struct bvh_query q;
-    struct box8_ray world;
     struct bvh_best best;
-    const uint32_t root = bvh_root(s, 0);
-    if (root == bvh_ref_make(BVH_NOTHING, 0) || !bvh_query_make(s, ray, &q, &world) ||
-        !ask(&q, &world, root, false, &best))
+    if (!bvh_ask(s, ray, false, &best))
         return false;
     bvh_best_tell(&best, hit);
     return true;
@@ -59,10 +46,6 @@ bool bvh_hit_closest(const struct stage *s, const struct ray *ray, struct ray_hi
 
 bool bvh_hit_any(const struct stage *s, const struct ray *ray)
 {
-    struct bvh_query q;
-    struct box8_ray world;
     struct bvh_best best;
-    const uint32_t root = bvh_root(s, 0);
-    return root != bvh_ref_make(BVH_NOTHING, 0) && bvh_query_make(s, ray, &q, &world) &&
-           ask(&q, &world, root, true, &best);
+    return bvh_ask(s, ray, true, &best);
 }

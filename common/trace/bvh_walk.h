@@ -152,4 +152,17 @@ bvh_walk(const struct bvh_query *q, const struct box8_ray *box, const struct bvh
     }
 }
 
+/* One ray alone. True: something has been found. */
+static inline __attribute__((always_inline)) bool
+bvh_ask(const struct stage *s, const struct ray *ray, bool any, struct bvh_best *best)
+{
+    struct bvh_query q;
+    struct box8_ray world;
+    const uint32_t root = bvh_root(s, 0);
+    if (root == bvh_ref_make(BVH_NOTHING, 0) || !bvh_query_make(s, ray, &q, &world))
+        return false;
+    bvh_best_init(best, &q);
+    return bvh_walk(&q, &world, NULL, root, any, best) || best->prim != STAGE_NONE;
+}
+
 #endif
