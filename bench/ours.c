@@ -10,7 +10,7 @@
 
 static inline struct ray ray_of(const struct shot *s)
 {
-    return (struct ray){vec3_load(s->origin), vec3_load(s->dir), s->t_max};
+    return (struct ray){vec3_load(s->origin), vec3_load(s->dir), s->t_max, 0, 0};
 }
 
 static inline struct shot_hit hit_of(const struct ray_hit *h)

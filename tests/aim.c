@@ -29,7 +29,7 @@ struct ray aim_ray(struct dice *d, const struct stage *s, vec3 origin, bool vert
 {
     const struct stage_triangle t = any_triangle(d, s);
     const vec3 at = outline(d, &t, vertex);
-    return (struct ray){origin, at - origin, INFINITY};
+    return (struct ray){origin, at - origin, INFINITY, 0, 0};
 }
 
 /* A. van Oosterom, J. Strackee, "The Solid Angle of a Plane Triangle", IEEE Trans. Biomed. Eng.

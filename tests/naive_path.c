@@ -158,6 +158,6 @@ void naive_path_sample(const struct stage *s, uint32_t x_px, uint32_t y_px, stru
     const struct stage_camera *c = &s->camera;
     const float x = (float)(x_px + dice_unit(dice)), y = (float)(y_px + dice_unit(dice));
     const vec3 dir = vec3_load(c->corner) + x * vec3_load(c->dx) + y * vec3_load(c->dy);
-    const struct ray ray = {vec3_load(c->origin), vec3_unit(dir), INFINITY};
+    const struct ray ray = {vec3_load(c->origin), vec3_unit(dir), INFINITY, 0, 0};
     naive_path_radiance(s, ray, dice, sum);
 }

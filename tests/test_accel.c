@@ -60,7 +60,7 @@ static struct ray any_ray(struct dice *d, const struct soup *s, double size)
         for (uint32_t k = 0; k < 3; k++)
             dir[k] = k == axis ? dir[k] : (dice_bits(d) & 1) ? 0.0f : -0.0f;
     const bool ends = dice_bits(d) % 8 == 0;
-    return (struct ray){origin, dir, ends ? (float)dice_range(d, 0, 2) : INFINITY};
+    return (struct ray){origin, dir, ends ? (float)dice_range(d, 0, 2) : INFINITY, 0, 0};
 }
 
 static bool same(bool a_hit, const struct ray_hit *a, bool b_hit, const struct ray_hit *b)
@@ -280,7 +280,7 @@ static void test_no_ray(void)
             continue;
         }
         for (int i = 0; i < 8; i++) {
-            struct ray ray = {vec3_make(0, 0, -3), vec3_make(0, 0, 1), INFINITY};
+            struct ray ray = {vec3_make(0, 0, -3), vec3_make(0, 0, 1), INFINITY, 0, 0};
             if (i < 3)
                 ray.origin[i] = NAN;
             else if (i < 6)

@@ -57,7 +57,7 @@ static struct ray random_ray(struct dice *d, const struct stage *s, double half_
               origin;
     }
     const bool ends = dice_bits(d) % 8 == 0;
-    return (struct ray){origin, dir, ends ? (float)dice_range(d, 0, 2) : INFINITY};
+    return (struct ray){origin, dir, ends ? (float)dice_range(d, 0, 2) : INFINITY, 0, 0};
 }
 
 static void fill(struct scenes *s, struct dice *d, double size, int triangles, int others)
@@ -143,7 +143,7 @@ static void test_coincident(void)
     int wrong = 0;
     for (int i = 0; i < 20; i++) {
         const vec3 origin = soup_point(&d, 0.3) + vec3_make(0, 0, 2);
-        const struct ray ray = {origin, vec3_make(0, -0.1f, 0) - origin, INFINITY};
+        const struct ray ray = {origin, vec3_make(0, -0.1f, 0) - origin, INFINITY, 0, 0};
         struct ray_hit hit;
         wrong += !bvh_hit_closest(stage, &ray, &hit) || hit.prim != 0 || !bvh_hit_any(stage, &ray);
     }
@@ -170,7 +170,7 @@ static void test_ties(void)
         for (int i = 0; i < 200; i++) {
             const vec3 target = at + a * dice_float(&d) + b * dice_float(&d);
             const vec3 origin = soup_point(&d, 3);
-            const struct ray ray = {origin, target - origin, INFINITY};
+            const struct ray ray = {origin, target - origin, INFINITY, 0, 0};
             struct ray_hit hit;
             const bool found = bvh_hit_closest(stage, &ray, &hit);
             hits += found;
@@ -192,7 +192,7 @@ static float garbage_number(struct dice *d)
 
 static struct ray garbage_ray(struct dice *d)
 {
-    struct ray ray = {soup_point(d, 2), soup_direction(d), INFINITY};
+    struct ray ray = {soup_point(d, 2), soup_direction(d), INFINITY, 0, 0};
     const uint32_t k = dice_bits(d) % 12;
     if (k < 3)
         ray.origin[k] = garbage_number(d);

@@ -90,7 +90,7 @@ static void test_far(void)
     const double half = sqrt(radius * radius - height * height);
     for (int i = 1; i <= 7; i++) {
         const float x = -(float)pow(10, i);
-        const struct ray ray = {vec3_make(x, 0.095f, 0), vec3_make(1, 0, 0), INFINITY};
+        const struct ray ray = {vec3_make(x, 0.095f, 0), vec3_make(1, 0, 0), INFINITY, 0, 0};
         struct ray_hit hit = {0};
         const bool found = bvh_hit_closest(stage, &ray, &hit);
         ok(found && fabs((double)hit.t + (double)x + half) <= -(double)x * 0x1p-23,
@@ -119,7 +119,7 @@ static void test_tangents(void)
         const int ulps = (int)(dice_bits(&d) % 65) - 32;
         const vec3 at = from + axis * dice_float(&d) + out * (0.7f * (1 + (float)ulps * 0x1p-23f));
         const float back = i % 4 == 0 ? 0 : (float)dice_range(&d, 0, 3);
-        const struct ray ray = {at - way * back, way, INFINITY};
+        const struct ray ray = {at - way * back, way, INFINITY, 0, 0};
         struct ray_hit hit = {0};
         if (!bvh_hit_closest(stage, &ray, &hit))
             continue;
@@ -161,18 +161,19 @@ static void test_axes(void)
         struct scenes s;
         const struct stage *stage = one_cylinder(&s, -z, z, 1);
         struct ray_hit hit;
-        const struct ray out = {vec3_make(0, 0, 0), way, INFINITY};
+        const struct ray out = {vec3_make(0, 0, 0), way, INFINITY, 0, 0};
         wrong += !bvh_hit_closest(stage, &out, &hit) || hit.t != 1;
         for (int k = -1; k <= 1; k++) { /* the rims belong to it */
-            const struct ray in = {z * (float)k - way * 3, way, INFINITY};
+            const struct ray in = {z * (float)k - way * 3, way, INFINITY, 0, 0};
             wrong += !bvh_hit_closest(stage, &in, &hit) || hit.t != 2;
-            const struct ray past = {z * ((float)k * 1.0000001f) - way * 3, way, INFINITY};
+            const struct ray past = {z * ((float)k * 1.0000001f) - way * 3, way, INFINITY, 0, 0};
             beside += k && bvh_hit_any(stage, &past);
-            const struct ray side = {aside * 1.0000001f + z * (float)k - way * 3, way, INFINITY};
+            const struct ray side = {aside * 1.0000001f + z * (float)k - way * 3, way, INFINITY, 0,
+                                     0};
             beside += bvh_hit_any(stage, &side);
         }
         for (int k = 0; k <= 4; k++) { /* in the axis, inside, on the side, outside */
-            const struct ray parallel = {aside * ((float)k * 0.5f) - up * 3, up, INFINITY};
+            const struct ray parallel = {aside * ((float)k * 0.5f) - up * 3, up, INFINITY, 0, 0};
             along += bvh_hit_any(stage, &parallel);
         }
         scenes_release(&s);
@@ -192,7 +193,7 @@ static void test_along(void)
         double worst = 0;
         for (int k = 0; k < 16; k++) {
             const float a = slope * (float)cos(0.4 * k), b = slope * (float)sin(0.4 * k);
-            const struct ray ray = {vec3_make(0, 0, 7), vec3_make(a, b, 1), INFINITY};
+            const struct ray ray = {vec3_make(0, 0, 7), vec3_make(a, b, 1), INFINITY, 0, 0};
             struct ray_hit hit;
             const double t = 0.5 / hypot((double)a, (double)b);
             const bool found = bvh_hit_closest(stage, &ray, &hit);

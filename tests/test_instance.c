@@ -59,7 +59,7 @@ static struct ray random_ray(struct dice *d, const struct stage *copies, double 
     const bool astray = dice_bits(d) % 8 == 0;
     const bool ends = dice_bits(d) % 8 == 0;
     return (struct ray){origin, astray ? soup_direction(d) : target - origin,
-                        ends ? (float)dice_range(d, 0, 2) : INFINITY};
+                        ends ? (float)dice_range(d, 0, 2) : INFINITY, 0, 0};
 }
 
 struct tally {

@@ -97,7 +97,7 @@ static void test_fronts(void)
                         : kind >= 3 ? at
                                     : at + 0.3f * a + 0.3f * b;
         const vec3 eye = xform_point(&x, on + front), to = xform_point(&x, on);
-        const struct ray ray = {eye, to - eye, INFINITY};
+        const struct ray ray = {eye, to - eye, INFINITY, 0, 0};
         struct ray_hit hit;
         if (!bvh_hit_closest(stage, &ray, &hit) ||
             !(vec3_dot(surface_at(stage, &ray, &hit).ng, ray.dir) < 0))
@@ -172,7 +172,7 @@ static void test_empty(void)
     struct scenes s;
     scenes_init(&s, 4, 4);
     const struct stage *stage = scenes_stage(&s);
-    const struct ray ray = {vec3_make(0, 0, 0), vec3_make(0, 0, 1), INFINITY};
+    const struct ray ray = {vec3_make(0, 0, 0), vec3_make(0, 0, 1), INFINITY, 0, 0};
     struct ray_hit hit;
     ok(!stage->prim_count && !stage->nodes.count && !stage->emitters.count,
        "an empty scene is empty");
@@ -316,7 +316,8 @@ static void test_rays(void)
         struct camera_rays eight;
         camera_rays(camera, x, y, &eight);
         for (uint32_t k = 0; k < 8; k++) {
-            const struct ray a = camera_rays_at(camera, &eight, k), b = camera_ray(camera, x[k], y[k]);
+            const struct ray a = camera_rays_at(camera, &eight, k),
+                             b = camera_ray(camera, x[k], y[k]);
             for (int j = 0; j < 3; j++)
                 other += a.dir[j] != b.dir[j] || a.origin[j] != b.origin[j];
             other += a.t_max != b.t_max;
@@ -356,9 +357,9 @@ static void test_block(void)
     ok(memcmp(a->magic, "SMSTAGE", 8) == 0 && a->version == STAGE_VERSION &&
            a->struct_bytes == sizeof *a && (uintptr_t)a % 64 == 0,
        "the block says what it is and is aligned");
-    const struct stage_span spans[] = {a->shapes,  a->trees, a->nodes,     a->blocks,    a->instances,
-                                       a->spheres, a->discs, a->cylinders, a->materials, a->emitters,
-                                       a->pick_cdf};
+    const struct stage_span spans[] = {a->shapes,    a->trees,    a->nodes,   a->blocks,
+                                       a->instances, a->spheres,  a->discs,   a->cylinders,
+                                       a->materials, a->emitters, a->pick_cdf};
     bool placed = true;
     for (size_t i = 0; i < countof(spans); i++)
         placed &=

@@ -109,7 +109,7 @@ static void test_corners(void)
             origin[along] = origin[along] < lo[along]   ? lo[along]
                             : origin[along] > hi[along] ? hi[along]
                                                         : origin[along];
-            const struct ray ray = {origin, edge - origin, INFINITY};
+            const struct ray ray = {origin, edge - origin, INFINITY, 0, 0};
             struct ray_hit hit;
             leaks += !bvh_hit_closest(stage, &ray, &hit);
         }
@@ -161,7 +161,7 @@ static void test_grazing(void)
             const vec3 dir = vec3_unit(x * (dice_float(&d) - 0.5f) + y * (dice_float(&d) - 0.5f)) +
                              normal * angle;
             const float distance = (float)pow(10, dice_range(&d, -2, 2));
-            const struct ray ray = {target - dir * distance, dir, INFINITY};
+            const struct ray ray = {target - dir * distance, dir, INFINITY, 0, 0};
             struct ray_hit hit;
             if (bvh_hit_closest(stage, &ray, &hit)) {
                 hits++;
@@ -207,7 +207,7 @@ static void test_no_rays(void)
     static struct ray rays[RAYS], odd[RAYS];
     static const float numbers[] = {NAN, INFINITY, -INFINITY};
     for (int i = 0; i < RAYS; i++) {
-        odd[i] = rays[i] = (struct ray){soup_point(&d, 0.4), soup_direction(&d), INFINITY};
+        odd[i] = rays[i] = (struct ray){soup_point(&d, 0.4), soup_direction(&d), INFINITY, 0, 0};
         const float number = numbers[dice_bits(&d) % countof(numbers)];
         const uint32_t where = dice_bits(&d) % 7;
         if (where < 3)
@@ -223,7 +223,7 @@ static void test_no_rays(void)
     ok(hits == 20 * RAYS && odd_hits == 0, "rays with NaN or infinity hit nothing (%d of %d)",
        odd_hits, 20 * RAYS);
     ok(time <= 2.5 * usual, "and take no longer than others: %.3g s, others %.3g s", time, usual);
-    const struct ray still = {vec3_make(0, 0, 0), vec3_make(0, -0.0f, 0), INFINITY};
+    const struct ray still = {vec3_make(0, 0, 0), vec3_make(0, -0.0f, 0), INFINITY, 0, 0};
     struct ray_hit hit;
     ok(!bvh_hit_closest(stage, &still, &hit) && !bvh_hit_any(stage, &still),
        "a ray without direction hits nothing");
@@ -250,12 +250,13 @@ static void test_axes(void)
             origin[(axis + 1) % 3] = (float)(i / 8 % 9 - 4) / 4;
             origin[(axis + 2) % 3] = (float)(i / 72 % 9 - 4) / 4;
             struct ray_hit hit = {0}, plain = {0};
-            const struct ray ray = {origin, dir, INFINITY};
-            const struct ray same = {origin, dir + vec3_make(0, 0, 0), INFINITY}; /* -0 + 0 is 0 */
+            const struct ray ray = {origin, dir, INFINITY, 0, 0};
+            const struct ray same = {origin, dir + vec3_make(0, 0, 0), INFINITY, 0,
+                                     0}; /* -0 + 0 is 0 */
             wrong += !bvh_hit_closest(stage, &ray, &hit) || hit.t != 1 || !bvh_hit_any(stage, &ray);
             differ += !bvh_hit_closest(stage, &same, &plain) || plain.prim != hit.prim;
             origin[(axis + 1) % 3] = 1.0000001f;
-            const struct ray past = {origin, dir, INFINITY};
+            const struct ray past = {origin, dir, INFINITY, 0, 0};
             beside += bvh_hit_any(stage, &past);
         }
     ok(wrong == 0, "rays along an axis hit a cube's side, edges and corners at 1 (%d not)", wrong);
@@ -275,7 +276,7 @@ static void test_far_sphere(void)
                  half = sqrt((double)0.1f * (double)0.1f - height * height);
     for (int i = 1; i <= 7; i++) {
         const float x = -(float)pow(10, i);
-        const struct ray ray = {vec3_make(x, 0.095f, 0), vec3_make(1, 0, 0), INFINITY};
+        const struct ray ray = {vec3_make(x, 0.095f, 0), vec3_make(1, 0, 0), INFINITY, 0, 0};
         struct ray_hit hit = {0};
         const bool found = bvh_hit_closest(stage, &ray, &hit);
         ok(found && fabs((double)hit.t + (double)x + half) <= -(double)x * 0x1p-23,
@@ -299,7 +300,7 @@ static void test_tangents(void)
         const int ulps = (int)(dice_bits(&d) % 65) - 32;
         const vec3 at = center + out * (0.7f * (1 + (float)ulps * 0x1p-23f));
         const float back = i % 4 == 0 ? 0 : (float)dice_range(&d, 0, 3);
-        const struct ray ray = {at - way * back, way, INFINITY};
+        const struct ray ray = {at - way * back, way, INFINITY, 0, 0};
         struct ray_hit hit = {0};
         if (!bvh_hit_closest(stage, &ray, &hit))
             continue;

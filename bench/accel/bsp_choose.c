@@ -84,7 +84,7 @@ static void add_lines(struct bsp_chooser *c, const struct bsp *t)
     const uint64_t count = (uint64_t)t->mesh.count * LINES_PER_TRIANGLE;
     for (uint64_t i = 0; i < (count < LINES_MAX ? count : LINES_MAX); i++) {
         const uint32_t prim = dice_bits(&c->dice) % t->mesh.count;
-        struct ray ray = {vec3_load(t->mesh.v[prim][0]), soup_direction(&c->dice), INFINITY};
+        struct ray ray = {vec3_load(t->mesh.v[prim][0]), soup_direction(&c->dice), INFINITY, 0, 0};
         struct bsp_line line;
         for (int way = 0; way < 2; way++, ray.dir = -ray.dir) {
             struct query q;

@@ -144,7 +144,7 @@ static struct ray camera_ray(const struct view *v, uint32_t x, uint32_t y, struc
 {
     const float a = 2 * ((float)x + dice_float(d)) / FRAME - 1;
     const float b = 2 * ((float)y + dice_float(d)) / FRAME - 1;
-    return (struct ray){v->from, v->ahead + v->right * a + v->up * b, INFINITY};
+    return (struct ray){v->from, v->ahead + v->right * a + v->up * b, INFINITY, 0, 0};
 }
 
 static struct ray bounce(const struct surface *s, vec3 seen_from, struct dice *d)

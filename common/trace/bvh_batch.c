@@ -13,9 +13,9 @@ struct batch {
     struct box8_rays box;
     struct bvh_query query[8];
     struct box8_fan fan;
-    struct bvh_best best[8];             /* closest hit */
-    _Alignas(32) float t[8];             /* best[i].t */
-    uint32_t found;                      /* bit i, any hit */
+    struct bvh_best best[8]; /* closest hit */
+    _Alignas(32) float t[8]; /* best[i].t */
+    uint32_t found;          /* bit i, any hit */
 };
 
 /* False: one is no ray, or numbers are too large, or there is nothing to hit. */
@@ -43,6 +43,8 @@ static bool batch_init(struct batch *b, const struct stage *s, const struct ray 
         q->blocks = stage_at(s, s->blocks);
         q->tri = (struct tri_ray){origin[i], dir[i], tri.row[i], tri.at[i], tri.shear[i]};
         q->t_max = ray->t_max < FLT_MAX ? ray->t_max : FLT_MAX;
+        q->from = ray->from - 1;
+        q->to = ray->to - 1;
         bvh_best_init(&b->best[i], q);
         b->t[i] = q->t_max;
         valid = valid && bvh_is_ray(ray) && q->tri.shear[2] == 1;
@@ -180,9 +182,8 @@ static inline bool agree(const struct ray rays[], uint32_t count)
 }
 
 /* One by one, without a call for each. */
-static __attribute__((noinline)) uint32_t alone_closest(const struct stage *s,
-                                                        const struct ray rays[], uint32_t count,
-                                                        struct ray_hit hits[])
+static __attribute__((noinline)) uint32_t
+alone_closest(const struct stage *s, const struct ray rays[], uint32_t count, struct ray_hit hits[])
 {
     uint32_t found = 0;
     for (uint32_t i = 0; i < count; i++) {
@@ -207,9 +208,8 @@ static __attribute__((noinline)) uint32_t alone_any(const struct stage *s, const
 }
 
 /* False: they have to go one by one. */
-static inline __attribute__((always_inline)) bool batch_go(struct batch *b, const struct stage *s,
-                                                           const struct ray rays[], uint32_t count,
-                                                           bool any)
+static inline __attribute__((always_inline)) bool
+batch_go(struct batch *b, const struct stage *s, const struct ray rays[], uint32_t count, bool any)
 {
     if (!batch_init(b, s, rays, count))
         return false;

@@ -135,27 +135,38 @@ lane_t_in_instance(const struct bvh_query *q, const struct bvh_space *inside, ui
     return bvh_prim_in_instance(q, inside, index, &tri);
 }
 
+/* Lanes that are not asked: of the triangles that the ray starts and ends on. */
+static inline uint32_t lanes_own(const struct bvh_query *q, const struct stage_block *b,
+                                 uint32_t prim_begin)
+{
+    const u32x8 prim = u32x8_load(b->prim);
+    return i32x8_mask((i32x8)((prim == q->from - prim_begin) | (prim == q->to - prim_begin)));
+}
+
 /* inside: NULL in the world. any: the first hit will do. True: it has been found. */
-static inline __attribute__((always_inline)) bool
-bvh_block_hit(const struct bvh_query *q, const struct bvh_space *inside, const struct stage_block *b,
-          bool any, struct bvh_best *best)
+static inline __attribute__((always_inline)) bool bvh_block_hit(const struct bvh_query *q,
+                                                                const struct bvh_space *inside,
+                                                                const struct stage_block *b,
+                                                                bool any, struct bvh_best *best)
 {
     struct lanes lanes;
     if (!(inside ? lanes_make_in_instance(q, b, inside->instance, best->t, &lanes)
                  : lanes_make(&q->tri, b->v, best->t, &lanes)))
         return false;
-    for (uint32_t met = lanes.met; met; met &= met - 1) {
+    const uint32_t prim_begin = inside ? inside->prim_begin : 0;
+    for (uint32_t met = lanes.met & ~lanes_own(q, b, prim_begin); met; met &= met - 1) {
         const uint32_t lane = (uint32_t)__builtin_ctz(met);
         const uint32_t index = STAGE_LANES * (uint32_t)(b - q->blocks) + lane;
         const uint32_t instance = inside ? inside->instance : STAGE_NONE;
         const float t = inside ? lane_t_in_instance(q, inside, index) : lane_t(q, b, lane);
         if (!(t > 0))
             continue;
-        const uint32_t prim = b->prim[lane] + (inside ? inside->prim_begin : 0);
+        const uint32_t prim = b->prim[lane] + prim_begin;
         struct tri_edges e;
         if ((!any && !is_nearer(best, t, prim)) || !lane_edges(q, &lanes, index, instance, &e))
             continue;
-        *best = (struct bvh_best){t, prim, {e.e0, e.e1, e.e2}, {STAGE_TRIANGLE, index & 0x1fffffff}, instance};
+        *best = (struct bvh_best){
+            t, prim, {e.e0, e.e1, e.e2}, {STAGE_TRIANGLE, index & 0x1fffffff}, instance};
         if (any)
             return true;
     }

@@ -38,8 +38,7 @@ bool bvh_space_make(const struct bvh_query *q, const struct box8_ray *world, uin
     }
     const float reach = box8_reach(vec3_max(vec3_abs(lo), vec3_abs(hi)));
     const float error = BOX8_PAD * (reach + box8_reach(q->tri.origin));
-    box8_ray_init(&space->box, origin, dir,
-                  box8_error(origin) + error * vec3_load(of->spread));
+    box8_ray_init(&space->box, origin, dir, box8_error(origin) + error * vec3_load(of->spread));
     space->instance = instance;
     space->prim_begin = of->prim_begin;
     return true;
@@ -86,7 +85,7 @@ float bvh_prim_in_instance(const struct bvh_query *q, const struct bvh_space *sp
 
 float bvh_prim_round(const struct bvh_query *q, struct stage_place place, uint32_t *prim)
 {
-    const struct ray ray = {q->tri.origin, q->tri.dir, q->t_max};
+    const struct ray ray = {.origin = q->tri.origin, .dir = q->tri.dir, .t_max = q->t_max};
     const struct stage *s = q->stage;
     vec3 lo, hi;
     float t;
@@ -129,6 +128,8 @@ bool bvh_hit_prim(const struct stage *s, const struct ray *ray, struct ray_hit *
         hit->t = bvh_prim_round(&q, hit->place, &hit->prim);
         return hit->t > 0;
     }
+    if (hit->prim == q.from || hit->prim == q.to)
+        return false;
     const struct stage_triangle tri = stage_triangle_at(s, hit->place.index, hit->instance);
     const struct tri_edges e = tri_edges_make(&q.tri, &tri);
     if (!tri_meets(e))

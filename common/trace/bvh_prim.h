@@ -16,7 +16,8 @@ struct bvh_query {
     const unsigned char *first; /* node */
     const struct stage_block *blocks;
     struct tri_ray tri;
-    float t_max; /* the ray's, finite */
+    float t_max;       /* the ray's, finite */
+    uint32_t from, to; /* the ray's less 1: STAGE_NONE for none */
 };
 
 /* The inside of an instance: its tree is walked in object space. */
@@ -46,6 +47,8 @@ static inline bool bvh_query_make(const struct stage *s, const struct ray *ray, 
     q->blocks = stage_at(s, s->blocks);
     q->tri = tri_ray_make(ray->origin, ray->dir);
     q->t_max = ray->t_max < FLT_MAX ? ray->t_max : FLT_MAX;
+    q->from = ray->from - 1;
+    q->to = ray->to - 1;
     box8_ray_init(world, ray->origin, ray->dir, box8_error(ray->origin));
     return q->tri.shear[2] == 1;
 }

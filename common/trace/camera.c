@@ -17,7 +17,7 @@ f32x8 camera_filter(const struct scene_film *film, f32x8 u)
 struct ray camera_ray(const struct stage_camera *c, float x_px, float y_px)
 {
     const vec3 dir_raw = vec3_load(c->corner) + x_px * vec3_load(c->dx) + y_px * vec3_load(c->dy);
-    return (struct ray){vec3_load(c->origin), vec3_unit(dir_raw), __builtin_inff()};
+    return (struct ray){vec3_load(c->origin), vec3_unit(dir_raw), __builtin_inff(), 0, 0};
 }
 
 void camera_rays(const struct stage_camera *c, f32x8 x_px, f32x8 y_px, struct camera_rays *rays)

@@ -29,7 +29,7 @@ static inline struct ray camera_rays_at(const struct stage_camera *c, const stru
 {
     return (struct ray){vec3_load(c->origin),
                         vec3_make(r->dir[0][lane], r->dir[1][lane], r->dir[2][lane]),
-                        __builtin_inff()};
+                        __builtin_inff(), 0, 0};
 }
 
 #endif

@@ -47,7 +47,7 @@ static inline vec3 surface_outside(const struct surface *s, vec3 p_error, vec3 d
 /* The ray from s along dir, t_max infinite. */
 static inline struct ray surface_leave(const struct surface *s, vec3 dir)
 {
-    return (struct ray){surface_outside(s, s->p_error, dir), dir, __builtin_inff()};
+    return (struct ray){surface_outside(s, s->p_error, dir), dir, __builtin_inff(), s->prim + 1, 0};
 }
 
 /* Segments for any-hit tests, dir not unit, t_max 1: they end just before `to`, so that the
@@ -62,13 +62,13 @@ static inline struct ray surface_to_surface(const struct surface *from, const st
     const vec3 origin = surface_outside(from, from->p_error, way);
     const float blur = round_gamma(6) * vec3_length(way);
     const vec3 target = surface_outside(to, to->p_error + vec3_make(blur, blur, blur), -way);
-    return (struct ray){origin, target - origin, 1};
+    return (struct ray){origin, target - origin, 1, from->prim + 1, to->prim + 1};
 }
 
 static inline struct ray surface_to_point(const struct surface *from, vec3 to)
 {
     const vec3 origin = surface_outside(from, from->p_error, to - from->p);
-    return (struct ray){origin, to - origin, 1};
+    return (struct ray){origin, to - origin, 1, from->prim + 1, 0};
 }
 
 #endif
