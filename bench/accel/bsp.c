@@ -97,7 +97,7 @@ static bool crosses(const struct bsp_node *n, const struct query *q, float *earl
     float h = -n->offset, speed = 0;
     for (int k = 0; k < 3; k++) {
         h += n->normal[k] * q->box.origin[k];
-        speed += n->normal[k] * q->tri.dir[k];
+        speed += n->normal[k] * q->tri.ray->dir[k];
     }
     const bool down = speed < 0;
     const float slack = down ? -3 * q->slack : 3 * q->slack, inv = 1 / (speed == 0 ? 0 : speed);

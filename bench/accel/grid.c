@@ -146,7 +146,7 @@ static struct walk walk_make(const struct grid *g, const struct query *q, float 
 {
     struct walk w;
     for (int k = 0; k < 3; k++) {
-        w.at[k] = cell_of(g, k, q->box.origin[k] + t * q->tri.dir[k]);
+        w.at[k] = cell_of(g, k, q->box.origin[k] + t * q->tri.ray->dir[k]);
         w.step[k] = q->down[k] ? -1 : 1;
         w.next[k] = leaves_at(g, q, w.at[k], k);
     }

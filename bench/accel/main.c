@@ -67,7 +67,8 @@ static double round_of(const struct accel *a, const struct truth *truth, struct 
         spent_us += clock_thread_cpu_us() - begin_us;
         rays += MODEL_PASS;
         for (size_t i = 0; truth->hits && i < MODEL_PASS; i++)
-            row->differ += memcmp(&hits[i], &truth->hits[at + i], offsetof(struct ray_hit, place)) != 0;
+            row->differ +=
+                memcmp(&hits[i], &truth->hits[at + i], offsetof(struct ray_hit, place)) != 0;
     }
     row->rays += rays;
     return (double)rays / (double)(spent_us ? spent_us : 1);

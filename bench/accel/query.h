@@ -24,7 +24,7 @@ struct query {
     const float (*v)[3][3];
     struct tri_ray tri;
     struct box_ray box;
-    bool down[3]; /* the ray runs against the axis */
+    bool down[3];           /* the ray runs against the axis */
     float begin[3], end[3]; /* the origin, moved by the slack along the ray, against it */
     float slack;
     float t_max; /* the ray's, finite */
@@ -61,7 +61,7 @@ static inline bool query_make(struct query *q, struct accel_mesh mesh,
 {
     if (!mesh.count || !query_is_ray(ray))
         return false;
-    *q = (struct query){.v = mesh.v, .tri = tri_ray_make(ray->origin, ray->dir)};
+    *q = (struct query){.v = mesh.v, .tri = tri_ray_make(ray)};
     q->box = box_ray_make(ray->origin, ray->dir, q->tri.row[2] / STAGE_LANES);
     q->t_max = ray->t_max < FLT_MAX ? ray->t_max : FLT_MAX;
     q->best = (struct ray_hit){.t = q->t_max, .prim = STAGE_NONE};

@@ -30,9 +30,9 @@ enum { BOX8_PLANES = 6 }; /* low x, high x, low y, high y, low z, high z */
 
 /* A ray made ready, its numbers eight times over. */
 struct box8_ray {
-    f32x8 inv[3];            /* 1 / d */
-    f32x8 near[3], far[3];   /* origin / d, the origin moved by its error so that a box is met
-                              * early, left late */
+    f32x8 inv[3];           /* 1 / d */
+    f32x8 near[3], far[3];  /* origin / d, the origin moved by its error so that a box is met
+                             * early, left late */
     const uint16_t *planes; /* which it enters by along x, y, z, then leaves by: in floats from the
                              * first */
 };
@@ -87,8 +87,8 @@ static inline void box8_rays_init(struct box8_rays *r, const f32x8 origin[3], co
     const f32x8 least = 0x1p-40f * longest, error = BOX8_PAD * reach, none = {0};
     for (int k = 0; k < 3; k++) {
         const i32x8 back = dir[k] < none;
-        const f32x8 inv = 1 / f32x8_choose(f32x8_abs(dir[k]) < least,
-                                           f32x8_choose(back, -least, least), dir[k]);
+        const f32x8 inv =
+            1 / f32x8_choose(f32x8_abs(dir[k]) < least, f32x8_choose(back, -least, least), dir[k]);
         const f32x8 at = origin[k] * inv, off = error * f32x8_abs(inv);
         f32x8_store(r->inv[k], inv);
         f32x8_store(r->near[k], at + off);
@@ -145,19 +145,18 @@ static inline uint32_t box8_rays_hit(const struct box8_rays *r, const uint16_t *
     f32x8 near = {0}, far = t_max;
     for (int k = 0; k < 3; k++) {
         const f32x8 inv = f32x8_fetch(f32x8_load(r->inv[k]));
-        near = f32x8_max(
-            f32x8_fused(f32x8_splat(p[planes[k]]), inv, f32x8_load(r->near[k])), near);
-        far = f32x8_min(f32x8_fused(f32x8_splat(p[planes[k + 3]]), inv, f32x8_load(r->far[k])),
-                        far);
+        near = f32x8_max(f32x8_fused(f32x8_splat(p[planes[k]]), inv, f32x8_load(r->near[k])), near);
+        far =
+            f32x8_min(f32x8_fused(f32x8_splat(p[planes[k + 3]]), inv, f32x8_load(r->far[k])), far);
     }
     return i32x8_mask(near <= far);
 }
 
 /* Eight rays with the same signs as one thick one: it passes every box that one of them does.
  *
- * A plane p is met at (p - c) / d - (origin - c) / d, c being the first ray's origin: no sooner than
- * the sooner of the two extreme 1 / d says for the first term, less the most of the second. Against
- * box8_hit that is two more roundings, 2 u (A + O), well within the padding. */
+ * A plane p is met at (p - c) / d - (origin - c) / d, c being the first ray's origin: no sooner
+ * than the sooner of the two extreme 1 / d says for the first term, less the most of the second.
+ * Against box8_hit that is two more roundings, 2 u (A + O), well within the padding. */
 struct box8_fan {
     f32x8 center[3];
     f32x8 inv[2][3];       /* the least and the most of 1 / d */

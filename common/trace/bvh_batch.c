@@ -40,11 +40,8 @@ static bool batch_init(struct batch *b, const struct stage *s, const struct ray 
         const struct ray *ray = &rays[i < count ? i : 0];
         q->stage = s;
         q->first = stage_at(s, s->nodes);
-        q->blocks = stage_at(s, s->blocks);
-        q->tri = (struct tri_ray){origin[i], dir[i], tri.row[i], tri.at[i], tri.shear[i]};
+        q->tri = (struct tri_ray){ray, tri.row[i], tri.at[i], tri.shear[i]};
         q->t_max = ray->t_max < FLT_MAX ? ray->t_max : FLT_MAX;
-        q->from = ray->from - 1;
-        q->to = ray->to - 1;
         bvh_best_init(&b->best[i], q);
         b->t[i] = q->t_max;
         valid = valid && bvh_is_ray(ray) && q->tri.shear[2] == 1;

@@ -30,9 +30,8 @@ static __attribute__((noinline)) bool instance_hit(const struct bvh_query *q,
 bool bvh_leaf_hit(const struct bvh_query *q, const struct box8_ray *world, uint32_t ref, bool any,
                   struct bvh_best *best)
 {
-    return bvh_ref_kind(ref) == BVH_INSTANCE
-               ? instance_hit(q, world, bvh_ref_index(ref), any, best)
-               : round_ref_hit(q, ref, any, best);
+    return bvh_ref_kind(ref) == BVH_INSTANCE ? instance_hit(q, world, bvh_ref_index(ref), any, best)
+                                             : round_ref_hit(q, ref, any, best);
 }
 
 bool bvh_hit_closest(const struct stage *s, const struct ray *ray, struct ray_hit *hit)

@@ -139,8 +139,10 @@ lane_t_in_instance(const struct bvh_query *q, const struct bvh_space *inside, ui
 static inline uint32_t lanes_own(const struct bvh_query *q, const struct stage_block *b,
                                  uint32_t prim_begin)
 {
+    const struct ray *ray = q->tri.ray;
     const u32x8 prim = u32x8_load(b->prim);
-    return i32x8_mask((i32x8)((prim == q->from - prim_begin) | (prim == q->to - prim_begin)));
+    return i32x8_mask(
+        (i32x8)((prim == ray->from - 1 - prim_begin) | (prim == ray->to - 1 - prim_begin)));
 }
 
 /* inside: NULL in the world. any: the first hit will do. True: it has been found. */
@@ -156,7 +158,8 @@ static inline __attribute__((always_inline)) bool bvh_block_hit(const struct bvh
     const uint32_t prim_begin = inside ? inside->prim_begin : 0;
     for (uint32_t met = lanes.met & ~lanes_own(q, b, prim_begin); met; met &= met - 1) {
         const uint32_t lane = (uint32_t)__builtin_ctz(met);
-        const uint32_t index = STAGE_LANES * (uint32_t)(b - q->blocks) + lane;
+        const struct stage_block *blocks = stage_at(q->stage, q->stage->blocks);
+        const uint32_t index = STAGE_LANES * (uint32_t)(b - blocks) + lane;
         const uint32_t instance = inside ? inside->instance : STAGE_NONE;
         const float t = inside ? lane_t_in_instance(q, inside, index) : lane_t(q, b, lane);
         if (!(t > 0))

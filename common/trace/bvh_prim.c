@@ -30,14 +30,14 @@ bool bvh_space_make(const struct bvh_query *q, const struct box8_ray *world, uin
         const double *m = of->to_object[k];
         double o = m[3], d = 0;
         for (int j = 0; j < 3; j++) {
-            o += m[j] * (double)q->tri.origin[j];
-            d += m[j] * (double)q->tri.dir[j];
+            o += m[j] * (double)q->tri.ray->origin[j];
+            d += m[j] * (double)q->tri.ray->dir[j];
         }
         origin[k] = (float)o;
         dir[k] = (float)d;
     }
     const float reach = box8_reach(vec3_max(vec3_abs(lo), vec3_abs(hi)));
-    const float error = BOX8_PAD * (reach + box8_reach(q->tri.origin));
+    const float error = BOX8_PAD * (reach + box8_reach(q->tri.ray->origin));
     box8_ray_init(&space->box, origin, dir, box8_error(origin) + error * vec3_load(of->spread));
     space->instance = instance;
     space->prim_begin = of->prim_begin;
@@ -55,7 +55,8 @@ static float settle(const struct bvh_query *q, const float own[2], float t)
 
 float bvh_prim_settle(const struct bvh_query *q, vec3 lo, vec3 hi, float t)
 {
-    const struct box_ray box = box_ray_make(q->tri.origin, q->tri.dir, q->tri.row[2] / STAGE_LANES);
+    const struct box_ray box =
+        box_ray_make(q->tri.ray->origin, q->tri.ray->dir, q->tri.row[2] / STAGE_LANES);
     float own[2];
     return box_hit(&box, lo, hi, own) ? settle(q, own, t) : 0;
 }
@@ -85,7 +86,8 @@ float bvh_prim_in_instance(const struct bvh_query *q, const struct bvh_space *sp
 
 float bvh_prim_round(const struct bvh_query *q, struct stage_place place, uint32_t *prim)
 {
-    const struct ray ray = {.origin = q->tri.origin, .dir = q->tri.dir, .t_max = q->t_max};
+    const struct ray ray = {
+        .origin = q->tri.ray->origin, .dir = q->tri.ray->dir, .t_max = q->t_max};
     const struct stage *s = q->stage;
     vec3 lo, hi;
     float t;
@@ -128,7 +130,7 @@ bool bvh_hit_prim(const struct stage *s, const struct ray *ray, struct ray_hit *
         hit->t = bvh_prim_round(&q, hit->place, &hit->prim);
         return hit->t > 0;
     }
-    if (hit->prim == q.from || hit->prim == q.to)
+    if (hit->prim == ray->from - 1 || hit->prim == ray->to - 1)
         return false;
     const struct stage_triangle tri = stage_triangle_at(s, hit->place.index, hit->instance);
     const struct tri_edges e = tri_edges_make(&q.tri, &tri);

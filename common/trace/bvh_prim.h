@@ -14,10 +14,8 @@
 struct bvh_query {
     const struct stage *stage;
     const unsigned char *first; /* node */
-    const struct stage_block *blocks;
     struct tri_ray tri;
-    float t_max;       /* the ray's, finite */
-    uint32_t from, to; /* the ray's less 1: STAGE_NONE for none */
+    float t_max; /* the ray's, finite */
 };
 
 /* The inside of an instance: its tree is walked in object space. */
@@ -44,11 +42,8 @@ static inline bool bvh_query_make(const struct stage *s, const struct ray *ray, 
         return false;
     q->stage = s;
     q->first = stage_at(s, s->nodes);
-    q->blocks = stage_at(s, s->blocks);
-    q->tri = tri_ray_make(ray->origin, ray->dir);
+    q->tri = tri_ray_make(ray);
     q->t_max = ray->t_max < FLT_MAX ? ray->t_max : FLT_MAX;
-    q->from = ray->from - 1;
-    q->to = ray->to - 1;
     box8_ray_init(world, ray->origin, ray->dir, box8_error(ray->origin));
     return q->tri.shear[2] == 1;
 }
@@ -75,7 +70,7 @@ float bvh_prim_round(const struct bvh_query *, struct stage_place, uint32_t *pri
  * (its error is 5 u of the reach and 5 u of the way), t is between its distances, and stays. */
 static inline float settle_in_world(const struct bvh_query *q, vec3 lo, vec3 hi, float t)
 {
-    const vec3 a = lo - q->tri.origin, b = hi - q->tri.origin, way = t * q->tri.dir;
+    const vec3 o = q->tri.ray->origin, a = lo - o, b = hi - o, way = t * q->tri.ray->dir;
     const vec3 room = 4 * ROUND_UNIT * vec3_max(vec3_abs(a), vec3_abs(b));
     const i32x4 inside = (way >= a - room) & (way <= b + room);
     if (__builtin_expect((i32x4_mask(inside) & 7) == 7, 1))

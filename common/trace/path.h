@@ -17,7 +17,7 @@
 #include "common/trace/warp.h"
 
 enum {
-    PATH_WAVE = 8, /* the most paths at once */
+    PATH_WAVE = 8,           /* the most paths at once */
     PATH_ROULETTE_BEGIN = 1, /* the first bounce after which a path may be ended by chance */
 };
 

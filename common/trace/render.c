@@ -20,8 +20,8 @@ struct octet {
     uint32_t x_px, y_px;
     struct rng_pixel rng;
     struct camera_rays rays;
-    uint32_t elder;                           /* whose rays they are; UINT32_MAX: nobody's */
-    uint32_t begun;                           /* bit i: starts[i] is the elder's, too */
+    uint32_t elder;                            /* whose rays they are; UINT32_MAX: nobody's */
+    uint32_t begun;                            /* bit i: starts[i] is the elder's, too */
     struct path_start starts[FILM_REPLICATES]; /* for two siblings each */
 };
 

@@ -126,8 +126,8 @@ static inline void rng8_make(struct rng8 *to, const struct rng r[], uint32_t cou
     for (uint32_t i = 0; i < 8; i++)
         from[i] = r[i < count ? i : 0];
     for (int i = 0; i < 2; i++)
-        to->key[i] = (u64x4){from[4 * i].key, from[4 * i + 1].key, from[4 * i + 2].key,
-                             from[4 * i + 3].key};
+        to->key[i] =
+            (u64x4){from[4 * i].key, from[4 * i + 1].key, from[4 * i + 2].key, from[4 * i + 3].key};
     to->index_reversed =
         (u32x8){from[0].index_reversed, from[1].index_reversed, from[2].index_reversed,
                 from[3].index_reversed, from[4].index_reversed, from[5].index_reversed,

@@ -34,8 +34,8 @@ static inline float round_down(float x)
     return -round_up(-x);
 }
 
-/* Each coordinate of p to the next float on the side that `way` points to; where that is 0 it stays.
- * As round_up and round_down, without a branch: the signs are anybody's guess. */
+/* Each coordinate of p to the next float on the side that `way` points to; where that is 0 it
+ * stays. As round_up and round_down, without a branch: the signs are anybody's guess. */
 static inline vec3 round_along(vec3 p, vec3 way)
 {
     const vec3 zero = {0, 0, 0, 0};

@@ -156,12 +156,10 @@ static inline f32x8 f32x8_max(f32x8 a, f32x8 b)
 static inline u32x8 u32x8_reverse(u32x8 x)
 {
     const __m256i low = _mm256_set1_epi8(15);
-    const __m256i half = _mm256_setr_epi8(
-        0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15, 0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5,
-        13, 3, 11, 7, 15);
-    const __m256i bytes =
-        _mm256_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12, 3, 2, 1, 0, 7, 6, 5,
-                         4, 11, 10, 9, 8, 15, 14, 13, 12);
+    const __m256i half = _mm256_setr_epi8(0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15, 0,
+                                          8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15);
+    const __m256i bytes = _mm256_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12, 3,
+                                           2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12);
     const __m256i a = _mm256_shuffle_epi8(half, _mm256_and_si256((__m256i)x, low));
     const __m256i b =
         _mm256_shuffle_epi8(half, _mm256_and_si256(_mm256_srli_epi32((__m256i)x, 4), low));

@@ -46,7 +46,8 @@ static inline u32x8 sobol8_first_bits(u32x8 index_reversed, u32x8 shuffle, u32x8
     return u32x8_reverse(sobol8_scramble(index, scramble));
 }
 
-static inline struct sobol8_bits sobol8_pair_bits(u32x8 index_reversed, const struct sobol8_seeds *s)
+static inline struct sobol8_bits sobol8_pair_bits(u32x8 index_reversed,
+                                                  const struct sobol8_seeds *s)
 {
     const u32x8 index = u32x8_reverse(sobol8_scramble(index_reversed, s->shuffle));
     const u32x8 u = u32x8_reverse(sobol8_scramble(index, s->scramble_u));

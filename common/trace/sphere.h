@@ -1,8 +1,8 @@
-/* sphere.h - ray against sphere and disc: in double, because a sphere far away or far off needs it and
- * there are few of them.
+/* sphere.h - ray against sphere and disc: in double, because a sphere far away or far off needs it
+ * and there are few of them.
  *
- * E. Haines et al., "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems 7, 2019: the
- * discriminant from the perpendicular distance, the roots without cancellation.
+ * E. Haines et al., "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems 7, 2019:
+ * the discriminant from the perpendicular distance, the roots without cancellation.
  * SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_SPHERE_H
 #define COMMON_TRACE_SPHERE_H
@@ -25,7 +25,8 @@ static inline void sphere_relative(const struct ray *r, const float center[3], d
     }
 }
 
-/* Of a sphere, and of a disc of any direction; rounded outwards, so that what is inside stays inside. */
+/* Of a sphere, and of a disc of any direction; rounded outwards, so that what is inside stays
+ * inside. */
 static inline void sphere_bounds(const float center[3], float radius, vec3 *lo, vec3 *hi)
 {
     *lo = *hi = vec3_make(0, 0, 0);

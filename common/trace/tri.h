@@ -17,10 +17,10 @@
 #include "common/trace/simd.h"
 
 struct tri_ray {
-    vec3 origin, dir;
-    i32x4 row;  /* 8 * the axis, in order kx, ky, kz: z is that along which the ray is longest, x and
-                 * y keep the winding; so many floats into a struct stage_block's vertex it begins */
-    vec3 at;    /* the origin along these axes */
+    const struct ray *ray;
+    i32x4 row; /* 8 * the axis, in order kx, ky, kz: z is that along which the ray is longest, x and
+                * y keep the winding; so many floats into a struct stage_block's vertex it begins */
+    vec3 at;   /* the origin along these axes */
     vec3 shear; /* dir along kx, ky / dir along kz; then 1, a NaN for no direction at all; and 1 /
                  * dir along kz */
 };
@@ -41,13 +41,14 @@ static inline i32x4 tri_axes(vec3 dir)
     return axes[2 * z + back];
 }
 
-static inline struct tri_ray tri_ray_make(vec3 origin, vec3 dir)
+/* The ray must stay where it is. */
+static inline struct tri_ray tri_ray_make(const struct ray *ray)
 {
-    const i32x4 k = tri_axes(dir);
-    vec3 d = vec3_permute(dir, k);
+    const i32x4 k = tri_axes(ray->dir);
+    vec3 d = vec3_permute(ray->dir, k);
     const float longest = d[2];
     d[3] = 1;
-    return (struct tri_ray){origin, dir, STAGE_LANES * k, vec3_permute(origin, k), d / longest};
+    return (struct tri_ray){ray, STAGE_LANES * k, vec3_permute(ray->origin, k), d / longest};
 }
 
 /* Eight at once: row, at and shear of each. */
@@ -105,9 +106,8 @@ static inline float tri_edge_exact(float ax, float ay, float bx, float by)
 static inline float tri_plane_t(const struct tri_ray *r, const struct stage_triangle *t)
 {
     const f64x4 p = f64x4_of(vec3_load(t->v[0]));
-    const f64x4 n =
-        f64x4_cross(f64x4_of(vec3_load(t->v[1])) - p, f64x4_of(vec3_load(t->v[2])) - p);
-    const f64x4 height = n * (p - f64x4_of(r->origin)), speed = n * f64x4_of(r->dir);
+    const f64x4 n = f64x4_cross(f64x4_of(vec3_load(t->v[1])) - p, f64x4_of(vec3_load(t->v[2])) - p);
+    const f64x4 height = n * (p - f64x4_of(r->ray->origin)), speed = n * f64x4_of(r->ray->dir);
     return (float)((height[0] + height[1] + height[2]) / (speed[0] + speed[1] + speed[2]));
 }
 
@@ -132,8 +132,8 @@ static inline bool tri_inside(struct tri_edges e)
 static inline struct tri_edges tri_edges_make(const struct tri_ray *r,
                                               const struct stage_triangle *t)
 {
-    const vec3 a = vec3_load(t->v[0]) - r->origin, b = vec3_load(t->v[1]) - r->origin,
-               c = vec3_load(t->v[2]) - r->origin;
+    const vec3 o = r->ray->origin;
+    const vec3 a = vec3_load(t->v[0]) - o, b = vec3_load(t->v[1]) - o, c = vec3_load(t->v[2]) - o;
     const int kx = r->row[0] / STAGE_LANES, ky = r->row[1] / STAGE_LANES,
               kz = r->row[2] / STAGE_LANES;
     const float sx = r->shear[0], sy = r->shear[1];

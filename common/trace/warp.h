@@ -43,7 +43,8 @@ static inline vec3 warp_to_world(const struct warp_frame *f, vec3 v)
 static inline vec3 warp_disc(struct square q)
 {
     const float a = 2 * q.u - 1, b = 2 * q.v - 1; /* exact */
-    const i32x4 wide = (i32x4){0} - (a * a > b * b); /* of all lanes: which it is nobody can guess */
+    const i32x4 wide =
+        (i32x4){0} - (a * a > b * b); /* of all lanes: which it is nobody can guess */
     const vec3 most = vec3_choose(wide, vec3_make(a, b, 0), vec3_make(b, a, 0));
     if (most[0] == 0)
         return vec3_make(0, 0, 0);
