@@ -126,11 +126,13 @@ bvh_walk(const struct bvh_query *q, const struct box8_ray *box, const struct bvh
                 ref = bvh_nearest_child(q, node, hits, near, &top);
                 continue;
             }
-            ref = node->child[bvh_lowest(hits)];
-            for (hits &= hits - 1; hits; hits &= hits - 1) {
-                const uint32_t other = node->child[bvh_lowest(hits)];
-                bvh_fetch(q, other);
-                *top++ = other;
+            for (;;) { /* the last one first: it is next to its parent in memory */
+                ref = node->child[bvh_lowest(hits)];
+                hits &= hits - 1;
+                if (!hits)
+                    break;
+                bvh_fetch(q, ref);
+                *top++ = ref;
             }
         }
         if (bvh_ref_kind(ref) == BVH_BLOCK) {
