@@ -100,15 +100,19 @@ static inline float tri_edge_exact(float ax, float ay, float bx, float by)
     return (float)((double)ax * (double)by - (double)ay * (double)bx);
 }
 
-/* t of the triangle's plane. Differences of floats are exact in double and so are their products,
- * all but always: t is right to a rounding of float, and its sign is, unless the origin is nearer
- * to the plane than 1e-15 of the triangle's distance. A NaN for a ray in the plane. */
+/* t of the triangle's plane, or 0 where it is not above 0. Differences of floats are exact in
+ * double and so are their products, all but always: t is right to a rounding of float, and its sign
+ * is, unless the origin is nearer to the plane than 1e-15 of the triangle's distance. A NaN for a
+ * ray in the plane. */
 static inline float tri_plane_t(const struct tri_ray *r, const struct stage_triangle *t)
 {
     const f64x4 p = f64x4_of(vec3_load(t->v[0]));
     const f64x4 n = f64x4_cross(f64x4_of(vec3_load(t->v[1])) - p, f64x4_of(vec3_load(t->v[2])) - p);
     const f64x4 height = n * (p - f64x4_of(r->ray->origin)), speed = n * f64x4_of(r->ray->dir);
-    return (float)((height[0] + height[1] + height[2]) / (speed[0] + speed[1] + speed[2]));
+    const double up = height[0] + height[1] + height[2], along = speed[0] + speed[1] + speed[2];
+    if ((up > 0) != (along > 0)) /* not positive: known before the quotient is */
+        return 0;
+    return (float)(up / along);
 }
 
 static inline void tri_bounds(const struct stage_triangle *t, vec3 *lo, vec3 *hi)
