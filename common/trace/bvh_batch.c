@@ -4,9 +4,8 @@
 
 enum { BATCH_FEW = 2 }; /* so many rays or fewer go on alone */
 
-#ifndef BATCH_SPREAD
+/* So far may directions lie from the first, in parts of its longest component. */
 #define BATCH_SPREAD 0.25f
-#endif
 
 struct batch {
     uint32_t rays; /* bit i: there is a ray i */
