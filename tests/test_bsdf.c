@@ -8,8 +8,8 @@
 #include "common/trace/microfacet.h"
 #include "common/trace/rng.h"
 #include "tests/dice.h"
-#include "tests/sphere_chi2.h"
-#include "tests/stat.h"
+#include "tests/stat/sphere_chi2.h"
+#include "tests/stat/stat.h"
 #include "tests/tap.h"
 
 static const double pi = 3.14159265358979323846;
@@ -73,9 +73,9 @@ static void samples_follow_pdf(struct material m, const char *name)
     double p = 1, mass = 0, pdf_off = 0;
     for (size_t i = 0; i < countof(cosines); i++) {
         const struct view v = {m, direction(cosines[i], (double)i)};
-        const struct sphere_chi2 t = {view_sample, view_pdf_w, &v, 0, 0};
+        const struct sphere_chi2 t = {view_sample, view_pdf_w, &v, 0, 0, NULL, 0, false, 0};
         const struct sphere_chi2_result r = sphere_chi2_run(&t, 300000 / STAT_SLOW, i);
-        p = fmin(p, r.p);
+        p = fmin(p, r.chi2.p);
         mass = fmax(mass, fabs(r.mass_off) / fmax(1e-3, 4 * r.mass_sd));
         pdf_off = fmax(pdf_off, r.pdf_off);
     }
