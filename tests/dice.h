@@ -4,6 +4,8 @@
 #ifndef TESTS_DICE_H
 #define TESTS_DICE_H
 
+#include <math.h>
+
 #include "common/base.h"
 
 struct dice {
@@ -42,6 +44,13 @@ static inline float dice_float(struct dice *d)
 static inline double dice_range(struct dice *d, double from, double to)
 {
     return from + (to - from) * dice_unit(d);
+}
+
+/* Standard normal: G. Box, M. Muller, Ann. Math. Stat. 29, 1958. */
+static inline double dice_normal(struct dice *d)
+{
+    const double u = 1 - dice_unit(d), turn = 6.283185307179586 * dice_unit(d);
+    return sqrt(-2 * log(u)) * cos(turn);
 }
 
 #endif

@@ -8,7 +8,7 @@
 #include "bench/accel/query.h"
 #include "common/clock.h"
 #include "tests/soup.h"
-#include "tests/stat.h"
+#include "tests/stat/stat.h"
 #include "tests/tap.h"
 
 enum { TRIANGLES_MAX = 400 };

@@ -13,7 +13,7 @@
 #include "tests/crowd.h"
 #include "tests/oracle_bvh.h"
 #include "tests/soup.h"
-#include "tests/stat.h"
+#include "tests/stat/stat.h"
 #include "tests/tap.h"
 
 #define GOLDEN "tests/golden/hits.txt"

@@ -1,4 +1,5 @@
-/* bsdf.h, fresnel.h, microfacet.h: eval, sample and pdf agree; energy, reciprocity, known values.
+/* bsdf.h, fresnel.h, microfacet.h: known values, corners, and weights from any direction. That
+ * samples follow their pdf, energy and reciprocity: test_materials.c.
  * SPDX-License-Identifier: MIT */
 #include "common/trace/bsdf.h"
 
@@ -8,8 +9,7 @@
 #include "common/trace/microfacet.h"
 #include "common/trace/rng.h"
 #include "tests/dice.h"
-#include "tests/sphere_chi2.h"
-#include "tests/stat.h"
+#include "tests/stat/stat.h"
 #include "tests/tap.h"
 
 static const double pi = 3.14159265358979323846;
@@ -42,50 +42,6 @@ static vec3 direction(double z, double phi)
     return vec3_make((float)(r * cos(phi)), (float)(r * sin(phi)), (float)z);
 }
 
-/* --- sample follows pdf --- */
-
-struct view {
-    struct material m;
-    vec3 wo;
-};
-
-static bool view_sample(const void *what, struct square q, vec3 *w, float *pdf_w)
-{
-    const struct view *v = what;
-    struct bsdf_sample s;
-    if (!bsdf_sample(&v->m, v->wo, 0, q, &s))
-        return false;
-    *w = s.wi;
-    *pdf_w = s.pdf_w;
-    return true;
-}
-
-static float view_pdf_w(const void *what, vec3 w)
-{
-    const struct view *v = what;
-    return bsdf_pdf_w(&v->m, v->wo, w);
-}
-
-static const double cosines[] = {1, 0.9, 0.7, 0.4, 0.15, 0.02, -0.3, -0.95};
-
-static void samples_follow_pdf(struct material m, const char *name)
-{
-    double p = 1, mass = 0, pdf_off = 0;
-    for (size_t i = 0; i < countof(cosines); i++) {
-        const struct view v = {m, direction(cosines[i], (double)i)};
-        const struct sphere_chi2 t = {view_sample, view_pdf_w, &v, 0, 0};
-        const struct sphere_chi2_result r = sphere_chi2_run(&t, 300000 / STAT_SLOW, i);
-        p = fmin(p, r.p);
-        mass = fmax(mass, fabs(r.mass_off) / fmax(1e-3, 4 * r.mass_sd));
-        pdf_off = fmax(pdf_off, r.pdf_off);
-    }
-    const double tests = 5 * countof(cosines);
-    ok(p > stat_sidak(0.01, tests), "%s: samples follow the pdf from 8 directions (p %.4f)", name,
-       p);
-    ok(mass < 1, "%s: pdf and rejections add up to 1 (%.2f of what is allowed)", name, mass);
-    ok(pdf_off < 1e-4, "%s: pdf sampled is pdf asked (%.1e)", name, pdf_off);
-}
-
 /* --- weight is eval / pdf, and no more than 1 --- */
 
 static void weights_agree(struct material m, double tolerance, const char *name)
@@ -107,47 +63,6 @@ static void weights_agree(struct material m, double tolerance, const char *name)
     }
     ok(off < tolerance, "%s: weight x pdf is eval (%.1e)", name, off);
     ok(most <= 1.000001, "%s: no weight above 1", name);
-}
-
-/* --- reciprocity --- */
-
-static void is_reciprocal(struct material m, const char *name)
-{
-    struct dice dice = dice_make(12);
-    int bad = 0;
-    for (int i = 0; i < 100000 / STAT_SLOW; i++) {
-        const double side = dice_unit(&dice) < 0.5 ? -1 : 1;
-        const double za = side * dice_range(&dice, 1e-3, 1), a = dice_range(&dice, 0, 7);
-        const double zb = side * dice_range(&dice, 1e-3, 1), b = dice_range(&dice, 0, 7);
-        const vec3 o = direction(za, a), w = direction(zb, b);
-        const double f = (double)bsdf_eval(&m, o, w)[0] / fabs((double)w[2]);
-        const double g = (double)bsdf_eval(&m, w, o)[0] / fabs((double)o[2]);
-        bad += !(fabs(f - g) <= 1e-5 * fmax(f, g) + 1e-6);
-    }
-    ok(bad == 0, "%s: reciprocal", name);
-}
-
-/* Radiance form of f(i -> t) n_i^2 = f(t -> i) n_t^2: transmittances both ways are equal, and the
- * weight carries the squared ratio of indices. */
-static void refraction_is_reciprocal(void)
-{
-    double off = 0;
-    for (int i = 100; i < 1000; i++) { /* rounding of cos_t is magnified towards grazing */
-        const struct material m = glass(1.5f);
-        const vec3 wo = direction(i / 1000.0, 1);
-        struct bsdf_sample in, out;
-        float cos_t, back;
-        const float f = fresnel_dielectric(wo[2], 1.5f, &cos_t);
-        const float g = fresnel_dielectric(cos_t, 1 / 1.5f, &back);
-        off = fmax(off, (double)fabsf(f - g));
-        if (!bsdf_sample(&m, wo, 1 - 0x1p-24f, (struct square){0, 0}, &in) ||
-            !bsdf_sample(&m, in.wi, 1 - 0x1p-24f, (struct square){0, 0}, &out))
-            off = 1;
-        off = fmax(off, (double)vec3_length(out.wi - wo));
-        off = fmax(off, fabs((double)(in.weight[0] * out.weight[0]) - 1));
-        off = fmax(off, fabs((double)(in.weight[0] - 1 / (1.5f * 1.5f))));
-    }
-    ok(off < 1e-5, "refraction there and back is the identity, weighted 1/n^2 and n^2 (%.1e)", off);
 }
 
 /* --- known values --- */
@@ -287,19 +202,10 @@ static void straight_through(void)
 
 int main(void)
 {
-    samples_follow_pdf(diffuse(0.5f), "diffuse");
-    samples_follow_pdf(silver(.05f), "GGX .05");
-    samples_follow_pdf(silver(.2f), "GGX .2");
-    samples_follow_pdf(metal(.2f, 3.9f, .5f), "GGX .5");
-    samples_follow_pdf(silver(1), "GGX 1");
     weights_agree(diffuse(0.5f), 1e-5, "diffuse");
     weights_agree(silver(BSDF_LEAST_ALPHA), 1e-4, "GGX least");
     weights_agree(metal(.2f, 3.9f, .01f), 1e-4, "GGX .01");
     weights_agree(metal(1.5f, .5f, .3f), 1e-4, "GGX .3");
-    is_reciprocal(diffuse(0.5f), "diffuse");
-    is_reciprocal(metal(.2f, 3.9f, .1f), "GGX .1");
-    is_reciprocal(metal(1.5f, 2, .7f), "GGX .7");
-    refraction_is_reciprocal();
     fresnel_values();
     ggx_albedos();
     narrow_lobe_meets_mirror();

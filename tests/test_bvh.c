@@ -10,7 +10,7 @@
 #include "common/trace/prep.h"
 #include "tests/naive_hit.h"
 #include "tests/soup.h"
-#include "tests/stat.h"
+#include "tests/stat/stat.h"
 #include "tests/tap.h"
 
 struct tally {

@@ -5,7 +5,7 @@
 
 #include "bench/meshes.h"
 #include "tests/crowd.h"
-#include "tests/stat.h"
+#include "tests/stat/stat.h"
 #include "tests/tap.h"
 #include "tests/gang.h"
 

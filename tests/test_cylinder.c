@@ -7,7 +7,7 @@
 #include "common/trace/bvh.h"
 #include "common/trace/surface.h"
 #include "tests/soup.h"
-#include "tests/stat.h"
+#include "tests/stat/stat.h"
 #include "tests/tap.h"
 
 static const double pi = 3.14159265358979323846;

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "tests/dice.h"
-#include "tests/stat.h"
+#include "tests/stat/stat.h"
 #include "tests/tap.h"
 
 static double ulps(float got, double want)

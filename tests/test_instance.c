@@ -7,7 +7,7 @@
 
 #include "tests/crowd.h"
 #include "tests/soup.h"
-#include "tests/stat.h"
+#include "tests/stat/stat.h"
 #include "tests/tap.h"
 
 struct pair { /* of the same scene */

@@ -10,8 +10,8 @@
 #include "tests/cylinder_view.h"
 #include "tests/dice.h"
 #include "tests/scenes.h"
-#include "tests/sphere_chi2.h"
-#include "tests/stat.h"
+#include "tests/stat/sphere_chi2.h"
+#include "tests/stat/stat.h"
 #include "tests/tap.h"
 
 /* A black receiver at the origin facing up, and lights round it. */
@@ -67,9 +67,9 @@ static void judge(struct scenes *s, float pdf_most, const char *name)
 {
     const struct stage *stage = scenes_stage(s);
     const struct scenery c = {stage, receiver_of(stage)};
-    const struct sphere_chi2 t = {direction_sample, direction_pdf_w, &c, 3, pdf_most};
+    const struct sphere_chi2 t = {direction_sample, direction_pdf_w, &c, 3, pdf_most, NULL, 0, false, 0};
     const struct sphere_chi2_result r = sphere_chi2_run(&t, 300000 / STAT_SLOW, 1);
-    ok(r.p > stat_sidak(0.01, 8), "%s: directions follow the pdf (p %.3f)", name, r.p);
+    ok(r.chi2.p > stat_sidak(0.01, 8), "%s: directions follow the pdf (p %.3f)", name, r.chi2.p);
     ok(fabs(r.mass_off) < fmax(2e-3, 4 * r.mass_sd), "%s: pdf integrates to 1 (%.5f off)", name,
        r.mass_off);
     ok(r.pdf_off < 1e-4, "%s: pdf sampled is pdf asked (%.1e)", name, r.pdf_off);

@@ -4,7 +4,7 @@
 #include <time.h>
 
 #include "tests/scenes.h"
-#include "tests/stat.h"
+#include "tests/stat/stat.h"
 #include "tests/tap.h"
 
 static const float apart = 1e-3f;

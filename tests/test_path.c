@@ -13,7 +13,7 @@
 #include "tests/dice.h"
 #include "tests/naive_path.h"
 #include "tests/scenes.h"
-#include "tests/stat.h"
+#include "tests/stat/stat.h"
 #include "tests/tap.h"
 
 /* A room with coloured walls, a metal ball, a ball of glass or chalk, a mirror, a quad light, a

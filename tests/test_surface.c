@@ -10,7 +10,7 @@
 #include "common/trace/round.h"
 #include "tests/catalog.h"
 #include "tests/soup.h"
-#include "tests/stat.h"
+#include "tests/stat/stat.h"
 #include "tests/tap.h"
 
 enum { SCENES = 1000, RAYS = 300 / STAT_SLOW };

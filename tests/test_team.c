@@ -8,7 +8,7 @@
 
 #include "common/trace/prep.h"
 #include "tests/soup.h"
-#include "tests/stat.h"
+#include "tests/stat/stat.h"
 #include "tests/tap.h"
 
 enum { TASKS = 1000 };

@@ -11,7 +11,7 @@
 #include "tests/dice.h"
 #include "tests/naive_path.h"
 #include "tests/scenes.h"
-#include "tests/stat.h"
+#include "tests/stat/stat.h"
 #include "tests/tap.h"
 
 static const double pi = 3.14159265358979323846;

@@ -6,8 +6,9 @@
 
 #include "common/trace/camera.h"
 #include "tests/dice.h"
-#include "tests/sphere_chi2.h"
-#include "tests/stat.h"
+#include "tests/stat/chi2.h"
+#include "tests/stat/sphere_chi2.h"
+#include "tests/stat/stat.h"
 #include "tests/tap.h"
 
 static const uint32_t samples = 1000000 / STAT_SLOW;
@@ -43,18 +44,19 @@ static float cap_pdf_w(const void *what, vec3 w)
 static void follows(const struct sphere_chi2 *t, const char *name)
 {
     const struct sphere_chi2_result r = sphere_chi2_run(t, samples, 1);
-    ok(r.p > stat_sidak(0.01, 6), "%s: samples follow the pdf (p %.3f)", name, r.p);
+    ok(r.chi2.p > stat_sidak(0.01, 6), "%s: samples follow the pdf (p %.3f)", name, r.chi2.p);
     near(r.mass_off, 0, 1e-3, "%s: pdf integrates to 1", name);
     ok(r.pdf_off < 1e-4, "%s: pdf of a sample is the pdf of its direction", name);
 }
 
 static void directions_follow(void)
 {
-    follows(&(struct sphere_chi2){cosine_sample, cosine_pdf_w, NULL, 0, 0}, "cosine hemisphere");
+    follows(&(struct sphere_chi2){cosine_sample, cosine_pdf_w, NULL, 0, 0, NULL, 0, false, 0},
+            "cosine hemisphere");
     const float whole = 2, half = 1, some = 2 * 4 / 51.f;
-    follows(&(struct sphere_chi2){cap_sample, cap_pdf_w, &whole, 0, 0}, "whole sphere");
-    follows(&(struct sphere_chi2){cap_sample, cap_pdf_w, &half, 0, 0}, "half sphere");
-    follows(&(struct sphere_chi2){cap_sample, cap_pdf_w, &some, 0, 0}, "cap");
+    follows(&(struct sphere_chi2){cap_sample, cap_pdf_w, &whole, 0, 0, NULL, 0, false, 0}, "whole sphere");
+    follows(&(struct sphere_chi2){cap_sample, cap_pdf_w, &half, 0, 0, NULL, 0, false, 0}, "half sphere");
+    follows(&(struct sphere_chi2){cap_sample, cap_pdf_w, &some, 0, 0, NULL, 0, false, 0}, "cap");
 }
 
 /* A far sphere's cone: its radius must keep its digits. */
@@ -97,8 +99,8 @@ static void plane_maps_follow(void)
         due[i] = (double)samples / (SIDE * SIDE);
     const double level = stat_sidak(0.01, 6);
     ok(inside, "points of disc and triangle lie inside");
-    ok(stat_chi2_test(due, disc, SIDE * SIDE) > level, "points of the disc are uniform");
-    ok(stat_chi2_test(due, triangle, SIDE * SIDE) > level, "points of the triangle are uniform");
+    ok(chi2_test(due, disc, SIDE * SIDE).p > level, "points of the disc are uniform");
+    ok(chi2_test(due, triangle, SIDE * SIDE).p > level, "points of the triangle are uniform");
 }
 
 static void corners_are_finite(void)
@@ -159,11 +161,10 @@ static void filters_follow(void)
         inside &= x >= -1 && x <= 1;
         seen[(int)fmin(((double)x + 1) / 2 * BINS, BINS - 1)]++;
     }
-    ok(inside && stat_chi2_test(due, seen, BINS) > stat_sidak(0.01, 6),
+    ok(inside && chi2_test(due, seen, BINS).p > stat_sidak(0.01, 6),
        "tent filter follows the tent");
     film = (struct scene_film){.filter = FILTER_BOX, .filter_radius_px = 0.5f};
-    ok(filter(&film, 0) == -0.5f && filter(&film, 0.5f) == 0 &&
-           filter(&film, 0.75f) == 0.25f,
+    ok(filter(&film, 0) == -0.5f && filter(&film, 0.5f) == 0 && filter(&film, 0.75f) == 0.25f,
        "box filter is uniform");
 }
 

@@ -12,7 +12,7 @@
 #include "tests/catalog.h"
 #include "tests/naive_hit.h"
 #include "tests/soup.h"
-#include "tests/stat.h"
+#include "tests/stat/stat.h"
 #include "tests/tap.h"
 
 enum { ORIGINS = 32 };

@@ -2,10 +2,14 @@
  *
  * Seeds are fixed, so a test that passes passes for ever; the levels say how probable it was that a
  * right program fails with some seed. Tests of one suite share a level of 0.01 by Sidak's
- * correction.
+ * correction. A test says the smallest bias it detects beside what it found (docs/accuracy.md).
+ *
+ * This file has what all need. Beside it: means.h (t, z, equivalence), chi2.h (counts),
+ * sphere_chi2.h (directions against their pdf), ks.h (values against a distribution), zmap.h (an
+ * image against truth), scatter.h (the laws of a BSDF), special.h (the distributions).
  * SPDX-License-Identifier: MIT */
-#ifndef TESTS_STAT_H
-#define TESTS_STAT_H
+#ifndef TESTS_STAT_STAT_H
+#define TESTS_STAT_STAT_H
 
 #include "common/base.h"
 
@@ -17,8 +21,8 @@ enum { STAT_SLOW = 32 };
 enum { STAT_SLOW = 1 };
 #endif
 
-/* How many of something a test tries: the quick number, or with TEST_LONG=1 in the environment (make
- * check-long) the whole one; of either the fraction that STAT_SLOW leaves. Tests say it. */
+/* How many of something a test tries: the quick number, or with TEST_LONG=1 in the environment
+ * (make check-long) the whole one; of either the fraction that STAT_SLOW leaves. Tests say it. */
 uint32_t stat_tries(uint32_t quick, uint32_t whole);
 bool stat_is_long(void);
 
@@ -34,12 +38,10 @@ double stat_error(const struct stat_mean *); /* standard error of the mean */
 double stat_sidak(double alpha, double n);
 /* |z| of a standard normal variable exceeds it with probability alpha. */
 double stat_z_limit(double alpha);
-/* Probability that chi-square with dof degrees of freedom exceeds x. */
-double stat_chi2_tail(double x, double dof);
 
-/* Pearson's test of counts against expected counts; neighbours in order of expectation are pooled
- * until at least 5 are expected. The p value; 0 when anything was seen where nothing can
- * be (more than 1e-5 of all in cells with an expectation of less than 1e-9). */
-double stat_chi2_test(const double *expected, const uint32_t *observed, size_t cells);
+/* "The smallest bias a test detects" is the one that it finds with this probability. */
+#define STAT_POWER 0.99
+/* The shift, from 0 on, at which a power that grows with it reaches STAT_POWER. */
+double stat_detected(double (*power)(const void *what, double shift), const void *what);
 
 #endif
