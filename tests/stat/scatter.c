@@ -134,12 +134,13 @@ double scatter_albedo(const struct scatter *s, vec3 wo, int channel)
     enum { SIDE = 32 };
     const struct view v = {s, wo, NULL, channel};
     const struct sphere_chart chart = view_chart(&v);
+    const bool glass = s->ior != 1; /* its narrow lobe may lie between 9 points of a cell */
     const struct sphere_integrand f = {.f = view_eval,
                                        .what = &v,
-                                       .min_depth = 1,
+                                       .min_depth = glass ? 2 : 1,
                                        .max_depth = stat_is_long() ? 7 : (STAT_SLOW == 1 ? 5 : 3),
                                        .horizon = true,
-                                       .trust_zero = true,
+                                       .trust_zero = !glass,
                                        .tolerance = view_tolerance(&v)};
     double sum = 0;
     for (int i = 0; i < SIDE * SIDE; i++) {
