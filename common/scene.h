@@ -68,7 +68,8 @@ struct material {
             rgb reflectance; /* [0, 1] */
         } mirror;
         struct {
-            float ior; /* inside / outside, [1, 4]; inside is where the normal does not point */
+            float ior;   /* inside / outside, [1, 4]; inside is where the normal does not point */
+            float alpha; /* GGX width, [0, 1]; 0 is smooth */
         } dielectric;
         struct {
             rgb eta, k;  /* complex index of refraction per channel, eta > 0, k >= 0 */

@@ -28,11 +28,13 @@ static void read_mirror(struct scene_doc *doc, const struct scene_at *at, struct
 
 static void read_dielectric(struct scene_doc *doc, const struct scene_at *at, struct material *m)
 {
-    static const struct scene_key keys[] = {{"type", true}, {"ior", true}};
-    double ior = 1;
+    static const struct scene_key keys[] = {{"type", true}, {"ior", true}, {"alpha", false}};
+    double ior = 1, alpha = 0;
     scene_doc_object(doc, at, "a dielectric material", keys, countof(keys));
     scene_key_number(doc, at, "ior", (struct scene_range){1, 4, false}, &ior);
+    scene_key_number(doc, at, "alpha", fraction, &alpha);
     m->dielectric.ior = (float)ior;
+    m->dielectric.alpha = (float)alpha;
 }
 
 static void read_conductor(struct scene_doc *doc, const struct scene_at *at, struct material *m)

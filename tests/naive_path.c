@@ -58,13 +58,55 @@ static double lambda(struct dir w, double alpha)
 }
 
 /* Facets by D(m) m.z (Walter et al. 2007, eq. 35), visible or not. */
+static struct dir facet(double alpha, struct dice *dice)
+{
+    const double u = dice_unit(dice), phi = 2 * pi * dice_unit(dice);
+    const double c = 1 / sqrt(1 + alpha * alpha * u / (1 - u)), s = sqrt(1 - c * c);
+    return (struct dir){s * cos(phi), s * sin(phi), c};
+}
+
+/* Weights by eq. 41, with the masking of bsdf_glass.h. */
+static bool rough_dielectric(const struct material *m, double eta, struct dir wo, struct dice *dice,
+                             struct dir *wi, double *weight)
+{
+    const double alpha = (double)m->dielectric.alpha;
+    const struct dir h = facet(alpha, dice);
+    const double oh = dot(wo, h), tt = 1 - (1 - oh * oh) / (eta * eta);
+    if (oh <= 0)
+        return false;
+    *weight = oh / (wo.z * h.z);
+    if (tt <= 0 || dice_unit(dice) < fresnel(oh, eta)) {
+        *wi = reflect(wo, h);
+        *weight /= 1 + lambda(wo, alpha) + lambda(*wi, alpha);
+        return wi->z > 0;
+    }
+    const double along = oh / eta - sqrt(tt); /* eq. 40 */
+    *wi =
+        (struct dir){along * h.x - wo.x / eta, along * h.y - wo.y / eta, along * h.z - wo.z / eta};
+    *weight /= (1 + lambda(wo, alpha)) * (1 + lambda(*wi, alpha)) * eta * eta;
+    return wi->z < 0;
+}
+
+static bool either_dielectric(const struct material *m, bool front, struct dir wo,
+                              struct dice *dice, struct dir *wi, double weight[3])
+{
+    const double ior = (double)m->dielectric.ior, eta = front ? ior : 1 / ior;
+    double scale = 1;
+    bool goes_on = true;
+    if (m->dielectric.alpha > 0)
+        goes_on = rough_dielectric(m, eta, wo, dice, wi, &scale);
+    else
+        *wi = dielectric(eta, wo, dice, &scale);
+    weight[0] = weight[1] = weight[2] = scale;
+    return goes_on;
+}
+
+/* Reflects by Fresnel's equations, masked by what o and i see at once. */
 static bool conductor(const struct material *m, struct dir wo, struct dice *dice, struct dir *wi,
                       double weight[3])
 {
     const double alpha = (double)m->conductor.alpha;
-    const double u = dice_unit(dice), phi = 2 * pi * dice_unit(dice);
-    const double c = 1 / sqrt(1 + alpha * alpha * u / (1 - u)), s = sqrt(1 - c * c);
-    const struct dir h = {s * cos(phi), s * sin(phi), c};
+    const struct dir h = facet(alpha, dice);
     const double oh = dot(wo, h);
     *wi = reflect(wo, h);
     if (oh <= 0 || wi->z <= 0)
@@ -81,7 +123,6 @@ static bool conductor(const struct material *m, struct dir wo, struct dice *dice
 static bool scatter(const struct material *m, bool front, struct dir wo, struct dice *dice,
                     struct dir *wi, double weight[3])
 {
-    double scale = 1;
     switch (m->kind) {
     case MATERIAL_DIFFUSE:
         *wi = diffuse(dice);
@@ -94,10 +135,7 @@ static bool scatter(const struct material *m, bool front, struct dir wo, struct 
             weight[k] = (double)m->mirror.reflectance[k];
         return true;
     case MATERIAL_DIELECTRIC:
-        *wi = dielectric(front ? (double)m->dielectric.ior : 1 / (double)m->dielectric.ior, wo,
-                         dice, &scale);
-        weight[0] = weight[1] = weight[2] = scale;
-        return true;
+        return either_dielectric(m, front, wo, dice, wi, weight);
     case MATERIAL_CONDUCTOR:
         return conductor(m, wo, dice, wi, weight);
     }

@@ -21,7 +21,12 @@ static struct material diffuse(float albedo)
 
 static struct material glass(float ior)
 {
-    return (struct material){.kind = MATERIAL_DIELECTRIC, .dielectric = {ior}};
+    return (struct material){.kind = MATERIAL_DIELECTRIC, .dielectric = {ior, 0}};
+}
+
+static struct material frosted(float ior, float alpha)
+{
+    return (struct material){.kind = MATERIAL_DIELECTRIC, .dielectric = {ior, alpha}};
 }
 
 static struct material metal(float eta, float k, float alpha)
@@ -171,6 +176,11 @@ static void corners_are_finite(void)
                                     glass(1),
                                     glass(1.5f),
                                     glass(4),
+                                    frosted(1.5f, 1),
+                                    frosted(1 + 0x1p-9f, .6f),
+                                    frosted(1.5f, .05f),
+                                    frosted(1.5f, 2 * BSDF_LEAST_ALPHA),
+                                    frosted(4, BSDF_LEAST_ALPHA),
                                     silver(1),
                                     metal(1, 0, .3f),
                                     metal(.2f, 3.9f, BSDF_LEAST_ALPHA),
@@ -185,6 +195,32 @@ static void corners_are_finite(void)
                 bad += !sample_is_finite(&some[m], direction(z[d], 0.1), edge[n / 49], q);
             }
     ok(bad == 0, "corners of the unit cube at all angles give finite samples (%d bad)", bad);
+}
+
+/* Below the least width, and where nothing is bent, rough glass is the smooth one to the bit. */
+static void hardly_rough_is_smooth(void)
+{
+    const struct material some[][2] = {{glass(1.5f), frosted(1.5f, .99f * BSDF_LEAST_ALPHA)},
+                                       {glass(4), frosted(4, .99f * BSDF_LEAST_ALPHA)},
+                                       {glass(1), frosted(1, 1)},
+                                       {glass(1 + 0x1p-12f), frosted(1 + 0x1p-12f, 1)}};
+    struct dice dice = dice_make(3);
+    bool same = true;
+    for (int i = 0; i < 4000; i++) {
+        const struct material *pair = some[i % 4];
+        const vec3 wo = direction(dice_range(&dice, -1, 1), dice_range(&dice, 0, 6));
+        const float lobe = dice_float(&dice);
+        const struct square q = {lobe, lobe};
+        struct bsdf_sample a, b;
+        same &= bsdf_sample(&pair[0], wo, lobe, q, &a) && bsdf_sample(&pair[1], wo, lobe, q, &b);
+        for (int c = 0; c < 3; c++)
+            same &= a.wi[c] == b.wi[c] && a.weight[c] == b.weight[c];
+        same &= a.scale == b.scale && a.pdf_w == 0 && b.pdf_w == 0;
+        same &= bsdf_is_delta(&pair[1]) && bsdf_pdf_w(&pair[1], wo, b.wi) == 0;
+    }
+    ok(same, "glass too smooth for a lobe, or that bends nothing, is smooth glass");
+    ok(!bsdf_is_delta(&(struct material){.kind = MATERIAL_DIELECTRIC, .dielectric = {2, .01f}}),
+       "other glass is not");
 }
 
 static void straight_through(void)
@@ -210,6 +246,7 @@ int main(void)
     ggx_albedos();
     narrow_lobe_meets_mirror();
     corners_are_finite();
+    hardly_rough_is_smooth();
     straight_through();
     return tap_done();
 }

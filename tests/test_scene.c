@@ -138,11 +138,17 @@ static void materials(void)
     ok(m[0].kind == MATERIAL_DIFFUSE && is_rgb(m[0].diffuse.albedo, .1, .2, 1), "diffuse");
     ok(m[1].kind == MATERIAL_MIRROR && is_rgb(m[1].mirror.reflectance, 1, 1, 1),
        "mirror, white by default");
-    ok(m[2].kind == MATERIAL_DIELECTRIC && m[2].dielectric.ior == 1.5f, "dielectric");
+    ok(m[2].kind == MATERIAL_DIELECTRIC && m[2].dielectric.ior == 1.5f &&
+           m[2].dielectric.alpha == 0,
+       "dielectric, smooth by default");
     ok(m[3].kind == MATERIAL_CONDUCTOR && is_rgb(m[3].conductor.eta, .2, .4, 1.4) &&
            is_rgb(m[3].conductor.k, 3, 3, 3) && m[3].conductor.alpha == 0,
        "conductor; one number is gray");
     ok(scene.shapes[0].material == 2, "a shape finds its material by name");
+    ok(parse(HEAD "\"materials\": {\"m\": {\"type\": \"dielectric\", \"alpha\": 0.25, \"ior\": "
+                  "2}}, \"shapes\": []}") &&
+           scene.materials[0].dielectric.alpha == .25f,
+       "rough dielectric");
 }
 
 static void shapes(void)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "common/trace/bsdf.h"
 
+#include "common/trace/bsdf_glass.h"
 #include "common/trace/fresnel.h"
 #include "common/trace/microfacet.h"
 #include "common/trace/warp.h"
@@ -102,7 +103,11 @@ static bool conductor_sample(const struct material *m, vec3 wo, struct square q,
 
 rgb bsdf_eval(const struct material *m, vec3 wo, vec3 wi)
 {
-    if (!(wo[2] * wi[2] > 0) || bsdf_is_delta(m))
+    if (bsdf_is_delta(m))
+        return black;
+    if (m->kind == MATERIAL_DIELECTRIC)
+        return bsdf_glass_eval(m, wo, wi);
+    if (!(wo[2] * wi[2] > 0))
         return black;
     if (wo[2] < 0) {
         wo = flip_z(wo);
@@ -122,7 +127,11 @@ rgb bsdf_eval(const struct material *m, vec3 wo, vec3 wi)
 
 float bsdf_pdf_w(const struct material *m, vec3 wo, vec3 wi)
 {
-    if (!(wo[2] * wi[2] > 0) || bsdf_is_delta(m))
+    if (bsdf_is_delta(m))
+        return 0;
+    if (m->kind == MATERIAL_DIELECTRIC)
+        return bsdf_glass_pdf_w(m, wo, wi);
+    if (!(wo[2] * wi[2] > 0))
         return 0;
     if (wo[2] < 0) {
         wo = flip_z(wo);
@@ -152,7 +161,8 @@ bool bsdf_sample(const struct material *m, vec3 wo, float lobe, struct square di
     case MATERIAL_MIRROR:
         return mirror_sample(m->mirror.reflectance, wo, s);
     case MATERIAL_DIELECTRIC:
-        return dielectric_sample(m, wo, lobe, s);
+        return bsdf_is_delta(m) ? dielectric_sample(m, wo, lobe, s)
+                                : bsdf_glass_sample(m, wo, lobe, direction, s);
     case MATERIAL_CONDUCTOR:
         return conductor_sample(m, wo, direction, s);
     }

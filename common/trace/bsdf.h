@@ -14,7 +14,7 @@
 #include "common/scene.h"
 #include "common/trace/sobol.h"
 
-/* Below this GGX width a conductor is a perfect mirror. The lobe is then narrower than a tenth of a
+/* Below this GGX width a surface is perfectly smooth. The lobe is then narrower than a tenth of a
  * degree and the change cannot be seen (albedos move by less than 1e-3); and rounding moves a half
  * vector by 2^-23, a ten-thousandth of the lobe: further down, the density at which float
  * directions are sampled would visibly part from pdf. */
@@ -35,8 +35,10 @@ static inline bool bsdf_is_delta(const struct material *m)
     case MATERIAL_DIFFUSE:
         return false;
     case MATERIAL_MIRROR:
-    case MATERIAL_DIELECTRIC:
         return true;
+    case MATERIAL_DIELECTRIC: /* refraction turns light by less than (ior - 1) alpha */
+        return m->dielectric.alpha < BSDF_LEAST_ALPHA ||
+               m->dielectric.alpha * (m->dielectric.ior - 1) < BSDF_LEAST_ALPHA;
     case MATERIAL_CONDUCTOR:
         return m->conductor.alpha < BSDF_LEAST_ALPHA;
     }

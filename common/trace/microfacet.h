@@ -23,6 +23,11 @@ static inline float microfacet_s(vec3 w, float alpha)
     return __builtin_sqrtf(aa + (1 - aa) * w[2] * w[2]);
 }
 
+static inline float microfacet_g1(vec3 w, float alpha)
+{
+    return 2 * w[2] / (w[2] + microfacet_s(w, alpha));
+}
+
 /* D(m): facets' area per macroscopic area and solid angle of their normal m. */
 static inline float microfacet_d(vec3 m, float alpha)
 {

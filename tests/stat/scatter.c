@@ -31,8 +31,21 @@ struct scatter scatter_of(const struct material *m)
         .sample = material_sample,
         .what = m,
         .ior = m->kind == MATERIAL_DIELECTRIC ? (double)m->dielectric.ior : 1,
-        .alpha = m->kind == MATERIAL_CONDUCTOR ? m->conductor.alpha : 1,
+        .alpha = m->kind == MATERIAL_CONDUCTOR    ? m->conductor.alpha
+                 : m->kind == MATERIAL_DIELECTRIC ? m->dielectric.alpha
+                                                  : 1,
     };
+}
+
+static bool looked_at(const struct scatter *s, vec3 wo, vec3 wi)
+{
+    return s->side == SCATTER_ALL || (wo[2] * wi[2] < 0) == (s->side == SCATTER_THROUGH);
+}
+
+/* far / near, seen from wo. */
+static double eta_from(const struct scatter *s, vec3 wo)
+{
+    return wo[2] > 0 ? s->ior : 1 / s->ior;
 }
 
 /* --- seen from one direction --- */
@@ -48,7 +61,8 @@ static bool view_sample(const void *what, struct square q, vec3 *w, float *pdf_w
 {
     const struct view *v = what;
     struct bsdf_sample s;
-    if (!v->s->sample(v->s->what, v->wo, dice_float(v->lobes), q, &s))
+    if (!v->s->sample(v->s->what, v->wo, dice_float(v->lobes), q, &s) ||
+        !looked_at(v->s, v->wo, s.wi))
         return false;
     *w = s.wi;
     *pdf_w = s.pdf_w;
@@ -58,13 +72,24 @@ static bool view_sample(const void *what, struct square q, vec3 *w, float *pdf_w
 static float view_pdf_w(const void *what, vec3 w)
 {
     const struct view *v = what;
-    return v->s->pdf_w(v->s->what, v->wo, w);
+    return looked_at(v->s, v->wo, w) ? v->s->pdf_w(v->s->what, v->wo, w) : 0;
 }
 
 static double view_eval(const void *what, vec3 w)
 {
     const struct view *v = what;
-    return (double)v->s->eval(v->s->what, v->wo, w)[v->channel];
+    if (!looked_at(v->s, v->wo, w))
+        return 0;
+    const double eta = w[2] * v->wo[2] < 0 ? eta_from(v->s, v->wo) : 1;
+    return (double)v->s->eval(v->s->what, v->wo, w)[v->channel] * eta * eta;
+}
+
+/* Refracted by a smooth surface, or just below the horizon where that would reflect all. */
+static vec3 refracted(const struct scatter *s, vec3 wo)
+{
+    const double eta = eta_from(s, wo), x = -(double)wo[0] / eta, y = -(double)wo[1] / eta;
+    const double z = sqrt(fmax(1e-6, 1 - x * x - y * y));
+    return vec3_make((float)x, (float)y, (float)(wo[2] > 0 ? -z : z));
 }
 
 /* Wide lobes in plain rows, narrow ones around their middle; and no finer than rounding: directions
@@ -74,6 +99,10 @@ static struct sphere_chart view_chart(const struct view *v)
     const double alpha = (double)v->s->alpha;
     if (alpha >= 0.25)
         return sphere_chart_make(vec3_make(0, 0, 1), 0);
+    if (v->s->side == SCATTER_THROUGH) { /* a facet turned by a turns it by (1 - 1 / eta) a */
+        const double narrower = 0.5 * alpha * fabs(1 - 1 / eta_from(v->s, v->wo));
+        return sphere_chart_make(refracted(v->s, v->wo), narrower * narrower);
+    }
     return sphere_chart_make(vec3_make(-v->wo[0], -v->wo[1], v->wo[2]), alpha * alpha);
 }
 
@@ -92,6 +121,7 @@ struct sphere_chi2_result scatter_follows(const struct scatter *s, vec3 wo, uint
                                   .pdf_w = view_pdf_w,
                                   .what = &v,
                                   .chart = &chart,
+                                  .min_depth = s->ior != 1, /* thin ends, which 9 points miss */
                                   .horizon = true,
                                   .more_depth =
                                       stat_is_long() ? 1 : -1, /* as many samples see more */
@@ -104,12 +134,13 @@ double scatter_albedo(const struct scatter *s, vec3 wo, int channel)
     enum { SIDE = 32 };
     const struct view v = {s, wo, NULL, channel};
     const struct sphere_chart chart = view_chart(&v);
+    const bool glass = s->ior != 1; /* its narrow lobe may lie between 9 points of a cell */
     const struct sphere_integrand f = {.f = view_eval,
                                        .what = &v,
-                                       .min_depth = 1,
+                                       .min_depth = glass ? 2 : 1,
                                        .max_depth = stat_is_long() ? 7 : (STAT_SLOW == 1 ? 5 : 3),
                                        .horizon = true,
-                                       .trust_zero = true,
+                                       .trust_zero = !glass,
                                        .tolerance = view_tolerance(&v)};
     double sum = 0;
     for (int i = 0; i < SIDE * SIDE; i++) {
@@ -168,7 +199,8 @@ struct scatter_draw scatter_draw(const struct scatter *s, vec3 wo, uint32_t samp
     for (uint32_t i = 0; i < samples; i++) {
         struct bsdf_sample b = {.scale = 1};
         const float lobe = dice_float(&dice);
-        const bool alive = s->sample(s->what, wo, lobe, square_of(&dice), &b);
+        const bool alive =
+            s->sample(s->what, wo, lobe, square_of(&dice), &b) && looked_at(s, wo, b.wi);
         for (int c = 0; c < 3; c++) {
             const double weight = alive ? (double)(b.weight[c] / b.scale) : 0;
             stat_add(&d.albedo[c], weight);

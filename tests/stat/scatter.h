@@ -15,13 +15,19 @@
 #include "tests/stat/sphere_chi2.h"
 #include "tests/stat/stat.h"
 
+/* What of it is looked at: a material that also lets light through has two lobes, and a chart of
+ * the sphere fits one. What goes elsewhere counts as turned away. */
+enum scatter_side { SCATTER_ALL, SCATTER_BACK, SCATTER_THROUGH };
+
 struct scatter {
     rgb (*eval)(const void *what, vec3 wo, vec3 wi); /* f |wi.z| */
     float (*pdf_w)(const void *what, vec3 wo, vec3 wi);
     bool (*sample)(const void *what, vec3 wo, float lobe, struct square, struct bsdf_sample *);
     const void *what;
     double ior;  /* index of refraction below, over that above; 1: none, or nothing passes */
-    float alpha; /* width of the lobe around the mirrored direction, 1 for none: where to look */
+    float alpha; /* width of the lobe around the mirrored or refracted direction, 1 for none: where
+                  * to look */
+    enum scatter_side side;
 };
 
 struct scatter scatter_of(const struct material *); /* borrowed: bsdf.h's functions */
@@ -39,7 +45,7 @@ struct scatter_draw {
 
 struct scatter_draw scatter_draw(const struct scatter *, vec3 wo, uint32_t samples, uint64_t seed);
 
-/* The integral of eval, of which the channel is 0 to 2, by quadrature: it knows nothing of
+/* The integral of eval / scale, of which the channel is 0 to 2, by quadrature: it knows nothing of
  * sampling. */
 double scatter_albedo(const struct scatter *, vec3 wo, int channel);
 
