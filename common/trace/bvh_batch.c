@@ -12,7 +12,7 @@ struct batch {
     struct box8_rays box;
     struct bvh_query query[8];
     struct box8_fan fan;
-    struct bvh_best best[8]; /* closest hit */
+    struct bvh_best best[8];
     _Alignas(32) float t[8]; /* best[i].t */
     uint32_t found;          /* bit i, any hit */
 };
@@ -164,11 +164,11 @@ static inline __attribute__((always_inline)) void walk_together(struct batch *b,
  * share, and what follows is not worth its price. */
 static inline bool agree(const struct ray rays[], uint32_t count)
 {
+    if (count <= BATCH_FEW) /* or there is none at all */
+        return false;
     const vec3 none = {0}, first = rays[0].dir;
     const uint32_t signs = i32x4_mask(first < none) & 7;
     vec3 apart = none;
-    if (count <= BATCH_FEW)
-        return false;
     for (uint32_t i = 1; i < count; i++) {
         if ((i32x4_mask(rays[i].dir < none) & 7) != signs)
             return false;

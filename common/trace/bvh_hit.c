@@ -1,4 +1,5 @@
-/* One ray's walk through the hierarchy. SPDX-License-Identifier: MIT */
+/* One ray, and the leaves that are no blocks; the walk itself is in bvh_walk.h.
+ * SPDX-License-Identifier: MIT */
 #include "common/trace/bvh_walk.h"
 
 static bool round_ref_hit(const struct bvh_query *q, uint32_t ref, bool any, struct bvh_best *best)
@@ -12,8 +13,6 @@ static bool round_ref_hit(const struct bvh_query *q, uint32_t ref, bool any, str
     *best = (struct bvh_best){t, prim, {1, 0, 0}, place, STAGE_NONE};
     return any;
 }
-
-/* --- the walk --- */
 
 static __attribute__((noinline)) bool instance_hit(const struct bvh_query *q,
                                                    const struct box8_ray *world, uint32_t instance,

@@ -1,6 +1,6 @@
 /* bvh_prim.h - a ray made ready, and what a hit on one primitive is: the part of the tests that
- * decides; what walks the hierarchy (bvh_hit.c) only must not lose any. Private to the two.
- * SPDX-License-Identifier: MIT */
+ * decides; what walks the hierarchy (bvh_walk.h, bvh_batch.c) only must not lose any. Private to
+ * these. SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_BVH_PRIM_H
 #define COMMON_TRACE_BVH_PRIM_H
 

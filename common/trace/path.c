@@ -72,7 +72,7 @@ void path_begin(const struct stage *s, const struct ray rays[], uint32_t count,
 struct path {
     rgb light; /* found so far */
     rgb throughput;
-    float scale; /* what roulette divides out of throughput */
+    float scale; /* what roulette divides out of throughput; from the first scattering on */
     float pdf_w; /* of the last direction; 0: a delta lobe's, which next-event estimation cannot
                   * make */
     struct path_vertex vertex;
@@ -233,7 +233,6 @@ void path_radiance(const struct stage *s, const struct path_start starts[], cons
         if (starts[i].ends)
             continue;
         p->throughput = (rgb){1, 1, 1, 0};
-        p->scale = 1;
         p->vertex = starts[i].vertex;
         w.path_of[w.going++] = i;
     }

@@ -78,6 +78,8 @@ static inline uint64_t rng_seeds(const struct rng *r, uint32_t dimension)
     return rng_mix(r->key + (dimension + 1) * 0x9e3779b97f4a7c15u);
 }
 
+/* --- one alone: what each number is. The core draws eight at once, below --- */
+
 struct rng_pair_seeds {
     uint32_t shuffle, scramble_u, scramble_v;
 };
