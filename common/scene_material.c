@@ -1,52 +1,45 @@
-/* Materials and lights.
+/* Materials.
  * SPDX-License-Identifier: MIT */
+#include "common/scene_param.h"
 #include "common/scene_read.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/scene_check.h"
-
 static const struct scene_range fraction = {0, 1, false};
-static const struct scene_range brightness = {0, SCENE_MAX_ABS, false};
-static const struct scene_range coordinate = {-SCENE_MAX_ABS, SCENE_MAX_ABS, false};
 
-static void read_diffuse(struct scene_doc *doc, const struct scene_at *at, struct material *m)
+static void read_diffuse(const struct scene_params *p, struct material *m)
 {
     static const struct scene_key keys[] = {{"type", true}, {"albedo", true}};
-    scene_doc_object(doc, at, "a diffuse material", keys, countof(keys));
-    scene_key_rgb(doc, at, "albedo", fraction, &m->diffuse.albedo);
+    scene_params_of(p, "a diffuse material", keys, countof(keys));
+    scene_param_rgb(p, "albedo", fraction, &m->diffuse.albedo);
 }
 
-static void read_mirror(struct scene_doc *doc, const struct scene_at *at, struct material *m)
+static void read_mirror(const struct scene_params *p, struct material *m)
 {
     static const struct scene_key keys[] = {{"type", true}, {"reflectance", false}};
     m->mirror.reflectance = rgb_gray(1);
-    scene_doc_object(doc, at, "a mirror material", keys, countof(keys));
-    scene_key_rgb(doc, at, "reflectance", fraction, &m->mirror.reflectance);
+    scene_params_of(p, "a mirror material", keys, countof(keys));
+    scene_param_rgb(p, "reflectance", fraction, &m->mirror.reflectance);
 }
 
-static void read_dielectric(struct scene_doc *doc, const struct scene_at *at, struct material *m)
+static void read_dielectric(const struct scene_params *p, struct material *m)
 {
     static const struct scene_key keys[] = {{"type", true}, {"ior", true}, {"alpha", false}};
-    double ior = 1, alpha = 0;
-    scene_doc_object(doc, at, "a dielectric material", keys, countof(keys));
-    scene_key_number(doc, at, "ior", (struct scene_range){1, 4, false}, &ior);
-    scene_key_number(doc, at, "alpha", fraction, &alpha);
-    m->dielectric.ior = (float)ior;
-    m->dielectric.alpha = (float)alpha;
+    m->dielectric.ior = 1;
+    scene_params_of(p, "a dielectric material", keys, countof(keys));
+    scene_param_number(p, "ior", (struct scene_range){1, 4, false}, &m->dielectric.ior);
+    scene_param_number(p, "alpha", fraction, &m->dielectric.alpha);
 }
 
-static void read_conductor(struct scene_doc *doc, const struct scene_at *at, struct material *m)
+static void read_conductor(const struct scene_params *p, struct material *m)
 {
     static const struct scene_key keys[] = {
         {"type", true}, {"eta", true}, {"k", true}, {"alpha", true}};
-    double alpha = 0;
-    scene_doc_object(doc, at, "a conductor material", keys, countof(keys));
-    scene_key_rgb(doc, at, "eta", (struct scene_range){1e-3, 100, false}, &m->conductor.eta);
-    scene_key_rgb(doc, at, "k", (struct scene_range){0, 100, false}, &m->conductor.k);
-    scene_key_number(doc, at, "alpha", fraction, &alpha);
-    m->conductor.alpha = (float)alpha;
+    scene_params_of(p, "a conductor material", keys, countof(keys));
+    scene_param_rgb(p, "eta", (struct scene_range){1e-3, 100, false}, &m->conductor.eta);
+    scene_param_rgb(p, "k", (struct scene_range){0, 100, false}, &m->conductor.k);
+    scene_param_number(p, "alpha", fraction, &m->conductor.alpha);
 }
 
 static const char *const material_names[] = {
@@ -74,18 +67,19 @@ static void read_material(struct scene_doc *doc, const struct scene_at *at, stru
     if (!scene_doc_kind(doc, at, "a material", material_names, countof(material_names), &kind))
         return;
     m->kind = (enum material_kind)kind;
+    const struct scene_params p = {doc, at};
     switch (m->kind) {
     case MATERIAL_DIFFUSE:
-        read_diffuse(doc, at, m);
+        read_diffuse(&p, m);
         return;
     case MATERIAL_MIRROR:
-        read_mirror(doc, at, m);
+        read_mirror(&p, m);
         return;
     case MATERIAL_DIELECTRIC:
-        read_dielectric(doc, at, m);
+        read_dielectric(&p, m);
         return;
     case MATERIAL_CONDUCTOR:
-        read_conductor(doc, at, m);
+        read_conductor(&p, m);
         return;
     }
 }
@@ -120,68 +114,4 @@ struct scene_names scene_read_materials(struct scene_doc *doc, const struct scen
     }
     qsort(names.sorted, count, sizeof *names.sorted, name_compare);
     return names;
-}
-
-static bool read_direction(struct scene_doc *doc, const struct scene_at *at, const char *key,
-                           float out[3])
-{
-    double v[3] = {0, 0, 1};
-    if (!scene_key_numbers(doc, at, key, coordinate, v, 3))
-        return false;
-    const double length = scene_length(v);
-    if (!(length > 0)) {
-        struct scene_at member;
-        return scene_at_member(at, key, &member) &&
-               scene_doc_fault(doc, &member, ERR_INPUT, "expected a direction, got [0, 0, 0]");
-    }
-    for (int i = 0; i < 3; i++)
-        out[i] = (float)(v[i] / length);
-    return true;
-}
-
-static void read_light(struct scene_doc *doc, const struct scene_at *at, struct light *l)
-{
-    static const char *const kinds[] = {
-        [LIGHT_SKY] = "sky", [LIGHT_POINT] = "point", [LIGHT_DISTANT] = "distant"};
-    static const struct scene_key sky[] = {{"type", true}, {"radiance", true}};
-    static const struct scene_key point[] = {
-        {"type", true}, {"position", true}, {"intensity", true}};
-    static const struct scene_key distant[] = {
-        {"type", true}, {"direction", true}, {"irradiance", true}};
-    size_t kind;
-    double p[3] = {0};
-    if (!scene_doc_kind(doc, at, "a light", kinds, countof(kinds), &kind))
-        return;
-    l->kind = (enum light_kind)kind;
-    switch (l->kind) {
-    case LIGHT_SKY:
-        scene_doc_object(doc, at, "a sky light", sky, countof(sky));
-        scene_key_rgb(doc, at, "radiance", brightness, &l->sky.radiance);
-        return;
-    case LIGHT_POINT:
-        scene_doc_object(doc, at, "a point light", point, countof(point));
-        scene_key_numbers(doc, at, "position", coordinate, p, 3);
-        for (int i = 0; i < 3; i++)
-            l->point.position[i] = (float)p[i];
-        scene_key_rgb(doc, at, "intensity", brightness, &l->point.intensity);
-        return;
-    case LIGHT_DISTANT:
-        scene_doc_object(doc, at, "a distant light", distant, countof(distant));
-        read_direction(doc, at, "direction", l->distant.direction);
-        scene_key_rgb(doc, at, "irradiance", brightness, &l->distant.irradiance);
-        return;
-    }
-}
-
-void scene_read_lights(struct scene_doc *doc, const struct scene_at *at, struct scene *scene)
-{
-    if (!scene_doc_array(doc, at, "lights", 0, SCENE_MAX_LIGHTS))
-        return;
-    const size_t count = scene_at_count(at);
-    scene->lights = arena_new(doc->arena, struct light, count);
-    scene->light_count = (uint32_t)count;
-    for (size_t i = 0; i < count; i++) {
-        const struct scene_at item = scene_at_item(at, i);
-        read_light(doc, &item, &scene->lights[i]);
-    }
 }

@@ -1,0 +1,23 @@
+/* scene_param.h - the parameters of a material, as its document gives them.
+ *
+ * Private to the scene reader. One function for each type of parameter, so that what every
+ * parameter may be is said in one place. Absent: the output keeps its default; that a required key
+ * is absent has been said by scene_params_of. SPDX-License-Identifier: MIT */
+#ifndef COMMON_SCENE_PARAM_H
+#define COMMON_SCENE_PARAM_H
+
+#include "common/scene_doc.h"
+
+struct scene_params { /* of one material */
+    struct scene_doc *doc;
+    const struct scene_at *at; /* the object that holds them */
+};
+
+/* These keys and no others; `what` names the material in messages: "a mirror material". */
+void scene_params_of(const struct scene_params *, const char *what, const struct scene_key *keys,
+                     size_t count);
+
+void scene_param_rgb(const struct scene_params *, const char *key, struct scene_range, rgb *);
+void scene_param_number(const struct scene_params *, const char *key, struct scene_range, float *);
+
+#endif
