@@ -48,6 +48,7 @@ struct scene_film {
     uint32_t crop_x_begin, crop_y_begin, crop_x_end, crop_y_end;
     enum filter_kind filter;
     float filter_radius_px; /* half width: box .5 is one pixel, tent 1 reaches the neighbours */
+    uint32_t layers;        /* layers.h; 0: the image alone */
 };
 
 struct scene_camera {       /* perspective, pinhole */

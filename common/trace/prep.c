@@ -89,6 +89,8 @@ static void aim_camera(struct prep_plan *p)
     vec3_store(c->corner, xform_vector(m, vec3_make(-half_x, half_y, -1)));
     vec3_store(c->dx, xform_vector(m, vec3_make(pixel, 0, 0)));
     vec3_store(c->dy, xform_vector(m, vec3_make(0, -pixel, 0)));
+    vec3_store(p->head.view.position, vec3_load(c->origin));
+    vec3_store(p->head.view.direction, vec3_unit(xform_vector(m, vec3_make(0, 0, -1))));
 }
 
 /* --- the block --- */

@@ -21,7 +21,7 @@
 
 #define STAGE_MAGIC "SMSTAGE"
 
-enum { STAGE_VERSION = 3, STAGE_ALIGN = 64, STAGE_LANES = 8 };
+enum { STAGE_VERSION = 4, STAGE_ALIGN = 64, STAGE_LANES = 8 };
 
 struct stage_span {  /* an array inside the block */
     uint64_t offset; /* bytes from the start of the stage, 64-aligned */
@@ -113,6 +113,11 @@ struct stage_camera {
     float dx[3], dy[3]; /* per pixel to the right, down */
 };
 
+struct stage_view { /* what depth is measured along */
+    float position[3];
+    float direction[3]; /* unit */
+};
+
 struct stage {
     char magic[8];         /* STAGE_MAGIC */
     uint32_t version;      /* STAGE_VERSION */
@@ -120,6 +125,7 @@ struct stage {
     uint64_t bytes;        /* of the whole block */
 
     struct stage_camera camera;
+    struct stage_view view;
     struct scene_film film;
     struct scene_settings settings;
     rgb sky;                     /* radiance of rays that leave the scene */
