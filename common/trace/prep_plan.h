@@ -40,4 +40,7 @@ bool prep_plan_make(struct prep_plan *, const struct scene *, struct arena *scra
  * known. */
 void prep_shapes(struct prep_plan *, const struct crew *);
 
+/* Where the camera stands and how it maps the film. */
+void prep_camera(struct stage_camera *, const struct scene *);
+
 #endif

@@ -21,7 +21,7 @@
 
 #define STAGE_MAGIC "SMSTAGE"
 
-enum { STAGE_VERSION = 3, STAGE_ALIGN = 64, STAGE_LANES = 8 };
+enum { STAGE_VERSION = 4, STAGE_ALIGN = 64, STAGE_LANES = 8 };
 
 struct stage_span {  /* an array inside the block */
     uint64_t offset; /* bytes from the start of the stage, 64-aligned */
@@ -107,10 +107,15 @@ struct emitter {
     float pick;               /* probability of being chosen; they sum to 1 */
 };
 
-struct stage_camera {
+struct stage_camera {   /* as perspective and thin lens have it; the others: camera.c */
     float origin[3];
-    float corner[3];    /* direction_raw through the top left corner of the frame */
+    float corner[3];    /* direction_raw through the top left corner of the frame, 1 deep */
     float dx[3], dy[3]; /* per pixel to the right, down */
+    enum camera_kind kind;
+    uint32_t blades;             /* THIN_LENS: corners of the aperture; 0: round */
+    float lens_x[3], lens_y[3];  /* THIN_LENS: across the aperture, from its middle to its circle */
+    float inv_focus;             /* THIN_LENS: 1 / m */
+    float turns_x, turns_y;      /* PANORAMIC: per pixel */
 };
 
 struct stage {
