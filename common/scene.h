@@ -37,6 +37,7 @@ enum {
     SCENE_MAX_TRIANGLES = 100000000,    /* of one mesh; prep.h bounds the whole scene */
     SCENE_MAX_NAME = 128,               /* bytes of a name or title */
     SCENE_MAX_BOUNCES = 10000,
+    SCENE_MAX_BLADES = 64,              /* of an aperture */
     SCENE_MAX_SPP = 1 << 24,
 };
 
@@ -51,9 +52,24 @@ struct scene_film {
     uint32_t layers;        /* layers.h; 0: the image alone */
 };
 
-struct scene_camera {       /* perspective, pinhole */
-    struct xform to_world;  /* rigid: columns right, up, back (-view), position */
-    float fov_y_rad;        /* full vertical opening angle of the whole frame, (0, pi) */
+enum camera_kind { CAMERA_PERSPECTIVE, CAMERA_THIN_LENS, CAMERA_ORTHOGRAPHIC, CAMERA_PANORAMIC };
+
+struct scene_camera {
+    enum camera_kind kind;
+    struct xform to_world; /* rigid: columns right, up, back (-view), position */
+    union {
+        struct {             /* PERSPECTIVE, THIN_LENS: */
+            float fov_y_rad; /* full vertical opening angle of the whole frame, (0, pi) */
+            /* THIN_LENS alone. What lies at the depth `focus` in front of the camera is sharp. */
+            float lens_radius; /* [0, focus] */
+            float focus;       /* > 0 */
+            uint32_t blades;   /* the aperture's corners, on its circle; 0: it is round */
+            float blades_turn; /* of the first corner, in turns from right towards up, [0, 1) */
+        };
+        struct {                 /* ORTHOGRAPHIC: what the whole frame shows, m. One of the two is */
+            float width, height; /* 0: it follows from the other and the film */
+        };
+    };
 };
 
 enum material_kind { MATERIAL_DIFFUSE, MATERIAL_MIRROR, MATERIAL_DIELECTRIC, MATERIAL_CONDUCTOR };
