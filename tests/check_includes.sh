@@ -60,7 +60,7 @@ check_libraries() {
     library SQLite 'sqlite3' 'server/store\.c'
     library zlib 'zlib' 'common/wire\.c'
     library libcrypto 'openssl/' 'common/hash\.c'
-    library OpenEXR '(openexr|OpenEXR/)' '(server/image_exr|client/exr_[a-z]+)\.c'
+    library OpenEXR '(openexr|OpenEXR/)' '(server/image_exr|common/exr_file)\.c'
     library xxHash 'xxhash' 'worker/stagefile\.c'
     library libpng 'png\.h' '(server/image_png|client/png_[a-z]+)\.c'
     library jansson 'jansson' \
