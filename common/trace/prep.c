@@ -130,6 +130,11 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->materials, p->scene->materials, sizeof *p->scene->materials},
         {&head->emitters, p->emitters, sizeof *p->emitters},
         {&head->pick_cdf, p->pick_cdf, sizeof *p->pick_cdf},
+        {&head->details, p->details, sizeof *p->details},
+        {&head->corners, NULL, sizeof(struct stage_corners)},
+        {&head->normals, NULL, sizeof(struct stage_normal)},
+        {&head->uvs, NULL, sizeof(struct stage_uv)},
+        {&head->colors, NULL, sizeof(struct stage_color)},
     };
     uint64_t bytes = (sizeof *head + STAGE_ALIGN - 1) / STAGE_ALIGN * STAGE_ALIGN;
     for (size_t i = 0; i < countof(pieces); i++) {
@@ -227,10 +232,11 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
     add_lights(&p);
     pick_emitters(&p);
     aim_camera(&p);
-    const bool fits = check_lines(&p, err);
+    const bool fits = prep_detail_plan(&p, scratch, err) && check_lines(&p, err);
     if (fits) {
         unsigned char *block = lay_out(&p, arena);
         write_trees(&p, block, crew);
+        prep_detail_write(&p, block);
         place_emitters(&p, (struct emitter *)(void *)(block + p.head.emitters.offset), scratch);
         *stage = (const struct stage *)(const void *)block;
     }
