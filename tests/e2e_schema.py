@@ -36,6 +36,7 @@ BEYOND_A_SCHEMA = {
     "mesh-index-high": "index against the count of vertices",
     "mesh-world-huge": "a point and a transform",
     "net-mesh-file": "the schema is also for documents on disk",
+    "net-texture-file": "the schema is also for documents on disk",
     "quad-bow-tie": "geometry of corners",
     "quad-concave": "geometry of corners",
     "quad-in-a-line": "geometry of corners",
@@ -48,6 +49,7 @@ BEYOND_A_SCHEMA = {
     "sphere-ellipsoid": "geometry of a transform",
     "sphere-world-huge": "product of steps",
     "sphere-world-tiny": "product of steps",
+    "texture-image-exr-srgb": "one key against another",
     "transform-singular-matrix": "geometry of a matrix",
 }
 
