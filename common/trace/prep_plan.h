@@ -30,6 +30,7 @@ struct prep_plan {
     struct emitter *emitters;
     double *power; /* of each emitter */
     float *pick_cdf;
+    struct stage_spot *spots;
 };
 
 /* Allocates the arrays. False: too many primitives. */
@@ -39,5 +40,9 @@ bool prep_plan_make(struct prep_plan *, const struct scene *, struct arena *scra
 /* Shapes -> primitives, emitters, and trees with their plans. The bounds of the scene are then
  * known. */
 void prep_shapes(struct prep_plan *, const struct crew *);
+
+/* The document's lights -> emitters behind those of shapes, and the table by which one is picked.
+ * After prep_shapes: a distant light shines on what there is. */
+void prep_lights(struct prep_plan *);
 
 #endif
