@@ -34,7 +34,7 @@ enum {
     SCENE_MAX_PIXELS = 64 * 1024 * 1024,
     SCENE_MAX_SHAPES = 100000,
     SCENE_MAX_MATERIALS = 10000,
-    SCENE_MAX_LIGHTS = 100000,          /* point, distant and sky entries */
+    SCENE_MAX_LIGHTS = 100000,          /* entries that are no shapes */
     SCENE_MAX_TEXTURES = 4096,
     SCENE_MAX_IMAGES = 4096,            /* image assets */
     SCENE_MAX_IMAGE_SIDE_PX = 16384,    /* of one */
@@ -197,7 +197,7 @@ struct shape {
     };
 };
 
-enum light_kind { LIGHT_SKY, LIGHT_POINT, LIGHT_DISTANT };
+enum light_kind { LIGHT_SKY, LIGHT_POINT, LIGHT_DISTANT, LIGHT_SPOT, LIGHT_SUN };
 
 struct light {
     enum light_kind kind;
@@ -213,6 +213,17 @@ struct light {
             float direction[3]; /* unit, the way the light travels */
             rgb irradiance;     /* W/m^2 on a surface that faces it */
         } distant;
+        struct {
+            float position[3], direction[3]; /* direction: unit, the way the light travels */
+            rgb intensity;                   /* W/sr, within inner_rad of the direction */
+            float inner_rad, outer_rad;      /* outer >= inner: there, and beyond, it is 0 */
+        } spot;
+        struct {
+            float direction[3]; /* unit, the way the light travels from the middle of the disc */
+            float radius_rad;   /* of the disc as it is seen, (0, pi/2] */
+            rgb radiance, irradiance; /* one is given, the other 0; irradiance of a surface that
+                                       * faces it */
+        } sun;
     };
 };
 

@@ -43,6 +43,19 @@ static struct path_vertex vertex_make(const struct stage *s, const struct ray *r
     };
 }
 
+/* What a ray that leaves the scene meets. pdf_w: of its direction, by the sampling that made it; 0:
+ * nothing else could have made it. */
+static rgb beyond(const struct stage *s, vec3 dir, float pdf_w)
+{
+    rgb light = s->sky;
+    for (uint32_t e = s->beyond_begin; e < s->emitters.count; e++) {
+        const rgb found = light_beyond(s, e, dir);
+        if (!rgb_is_black(found))
+            light += found * (pdf_w == 0 ? 1 : mis_weight(pdf_w, light_beyond_pdf_w(s, e, dir)));
+    }
+    return light;
+}
+
 /* What the vertex emits to where the ray came from. */
 static rgb emission(const struct stage *s, const struct path_vertex *v)
 {
@@ -61,7 +74,7 @@ void path_begin(const struct stage *s, const struct ray rays[], uint32_t count,
         start->met = found >> i & 1;
         start->ends = !start->met;
         if (start->ends) {
-            start->light = s->sky;
+            start->light = beyond(s, rays[i].dir, 0);
             continue;
         }
         start->vertex = vertex_make(s, &rays[i], &hits[i]);
@@ -163,7 +176,7 @@ static bool arrive(struct wave *w, uint32_t path, const struct ray *ray, const s
     const struct stage *s = w->stage;
     struct path *p = &w->paths[path];
     if (!hit) {
-        p->light += p->throughput * s->sky;
+        p->light += p->throughput * beyond(s, ray->dir, p->pdf_w);
         return false;
     }
     const vec3 from = p->vertex.at.p;
