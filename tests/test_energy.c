@@ -73,7 +73,7 @@ static struct scenes_mean skin_mean(const struct skin *skin, uint32_t samples)
             path_begin(skin->stage, rays, PATH_WAVE, starts);
             for (uint32_t k = 0; k < PATH_WAVE; k++)
                 starts[k].light = rgb_gray(0);
-            path_radiance(skin->stage, starts, rngs, PATH_WAVE, PATH_ROULETTE_BEGIN, light);
+            path_radiance(skin->stage, starts, rngs, PATH_WAVE, PATH_ROULETTE_BEGIN, NULL, light);
             for (uint32_t k = 0; k < PATH_WAVE; k++)
                 sum[k] += (double)light[k][1] / each;
         }

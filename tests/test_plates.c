@@ -56,7 +56,7 @@ static struct ways three_ways(const struct stage *stage, struct ray ray, uint32_
     for (uint32_t i = 0; i < count; i++) {
         const struct rng rng = rng_make(17, i & 0xffff, i >> 16, 0);
         rgb light;
-        path_radiance(stage, &start, &rng, 1, UINT32_MAX, &light);
+        path_radiance(stage, &start, &rng, 1, UINT32_MAX, NULL, &light);
         stat_add(&w.both, (double)light[0]);
         stat_add(&w.aimed, aimed(stage, &start.vertex, &rng));
         stat_add(&w.drawn, drawn(stage, &start.vertex, &rng));

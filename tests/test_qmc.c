@@ -76,7 +76,7 @@ static void two_alone(const struct stage *stage, uint32_t pixel, uint32_t i, dou
         camera_ray(&stage->camera, (float)(pixel % SIDE) + q.u, (float)(pixel / SIDE) + q.v);
     path_begin(stage, &ray, 1, &starts[0]);
     starts[1] = starts[0];
-    path_radiance(stage, starts, rngs, 2, PATH_ROULETTE_BEGIN, radiance);
+    path_radiance(stage, starts, rngs, 2, PATH_ROULETTE_BEGIN, NULL, radiance);
     for (int k = 0; k < 2; k++)
         light[k] = (double)rgb_luminance(radiance[k]);
 }

@@ -83,7 +83,7 @@ static void walk(const struct stage *stage, struct ray ray, uint32_t roulette_be
         rgb light[PATH_WAVE];
         for (uint32_t k = 0; k < PATH_WAVE; k++)
             rngs[k] = rng_make(9, (i + k) & 0xffff, (i + k) >> 16, 0);
-        path_radiance(stage, starts, rngs, PATH_WAVE, roulette_begin, light);
+        path_radiance(stage, starts, rngs, PATH_WAVE, roulette_begin, NULL, light);
         for (uint32_t k = 0; k < PATH_WAVE; k++) {
             stat_add(&w->light, (double)light[k][0]);
             if (w->lengths)
