@@ -54,11 +54,11 @@ void ours_trace_eights(const struct stage *stage, const struct shots *s, struct 
             found[i] = (struct ray_hit){.t = rays[i].t_max, .prim = SHOTS_MISS};
         }
         if (s->kind == SHOTS_SHADOW) {
-            const uint32_t any = bvh_hit_any_8(stage, rays, count);
+            const uint32_t any = bvh_hit_any_8(stage, (1u << count) - 1, rays);
             for (uint32_t i = 0; i < count; i++)
                 hits[at + i] = any_of(any >> i & 1);
         } else {
-            bvh_hit_closest_8(stage, rays, count, found); /* leaves misses as they are */
+            bvh_hit_closest_8(stage, (1u << count) - 1, rays, found); /* leaves misses as they are */
             for (uint32_t i = 0; i < count; i++)
                 hits[at + i] = hit_of(&found[i]);
         }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/trace/fmath.h"
+#include "common/trace/light8.h"
 #include "common/trace/prep_plan.h"
 
 #define PI 3.14159265358979323846
@@ -104,6 +105,7 @@ static void count_pieces(struct prep_plan *p)
     struct stage *head = &p->head;
     head->shapes.count = (uint64_t)p->scene->shape_count + 1;
     head->pick_cdf.count = head->emitters.count + 1;
+    head->lamps.count = light8_fit(p->emitters, head->emitters.count);
     head->materials.count = p->scene->material_count;
     head->trees.count = p->tree_count;
     for (uint32_t i = 0; i < p->tree_count; i++) {
@@ -130,6 +132,7 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->materials, p->scene->materials, sizeof *p->scene->materials},
         {&head->emitters, p->emitters, sizeof *p->emitters},
         {&head->pick_cdf, p->pick_cdf, sizeof *p->pick_cdf},
+        {&head->lamps, NULL, sizeof(struct stage_lamps)},
     };
     uint64_t bytes = (sizeof *head + STAGE_ALIGN - 1) / STAGE_ALIGN * STAGE_ALIGN;
     for (size_t i = 0; i < countof(pieces); i++) {
@@ -232,6 +235,9 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
         unsigned char *block = lay_out(&p, arena);
         write_trees(&p, block, crew);
         place_emitters(&p, (struct emitter *)(void *)(block + p.head.emitters.offset), scratch);
+        if (p.head.lamps.count)
+            light8_lamps((const struct stage *)(const void *)block,
+                         (struct stage_lamps *)(void *)(block + p.head.lamps.offset));
         *stage = (const struct stage *)(const void *)block;
     }
     for (uint32_t i = 0; i < p.tree_count; i++)

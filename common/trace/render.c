@@ -20,9 +20,9 @@ struct octet {
     uint32_t x_px, y_px;
     struct rng_pixel rng;
     struct camera_rays rays;
-    uint32_t elder;                            /* whose rays they are; UINT32_MAX: nobody's */
-    uint32_t begun;                            /* bit i: starts[i] is the elder's, too */
-    struct path_start starts[FILM_REPLICATES]; /* for two siblings each */
+    uint32_t elder;            /* whose rays they are; UINT32_MAX: nobody's */
+    uint32_t begun;            /* bit i: starts[i] is the elder's, too */
+    struct path_starts starts; /* for two siblings each */
 };
 
 static void octet_init(struct octet *o, const struct stage *s, uint32_t x_px, uint32_t y_px)
@@ -49,28 +49,26 @@ static void octet_go(struct octet *o, uint32_t index)
     camera_rays(&s->camera, x, y, &o->rays);
 }
 
-/* The camera rays of replicates [begin, end). */
-static void octet_begin(struct octet *o, uint32_t begin, uint32_t end)
+/* The camera rays of the replicates whose bit is set in `which`. */
+static void octet_begin(struct octet *o, uint32_t which)
 {
     struct ray rays[FILM_REPLICATES];
-    const uint32_t wanted = (1u << end) - (1u << begin);
-    if ((o->begun & wanted) == wanted)
+    if (!(which & ~o->begun))
         return;
-    for (uint32_t i = begin; i < end; i++)
-        rays[i - begin] = camera_rays_at(&o->stage->camera, &o->rays, i);
-    path_begin(o->stage, rays, end - begin, &o->starts[begin]);
-    o->begun |= wanted;
+    for (uint32_t i = 0; i < FILM_REPLICATES; i++)
+        rays[i] = camera_rays_at(&o->stage->camera, &o->rays, i);
+    path_begin(o->stage, which, rays, &o->starts);
+    o->begun = which;
 }
 
-/* Radiance of those with replicates [begin, end). */
-static void octet_radiance(struct octet *o, uint32_t begin, uint32_t end, rgb radiance[])
+/* Radiance of those, by replicate. */
+static void octet_radiance(struct octet *o, uint32_t which, rgb radiance[FILM_REPLICATES])
 {
     const struct stage *s = o->stage;
     switch (s->settings.integrator) {
     case INTEGRATOR_PATH:
-        octet_begin(o, begin, end);
-        path_radiance(s, &o->starts[begin], &o->rng.replicate[begin], end - begin,
-                      PATH_ROULETTE_BEGIN, radiance);
+        octet_begin(o, which);
+        path_radiance(s, which, &o->starts, o->rng.replicate, PATH_ROULETTE_BEGIN, radiance);
         return;
     }
     __builtin_unreachable();
@@ -80,11 +78,11 @@ rgb render_sample(const struct stage *s, uint32_t x_px, uint32_t y_px, uint32_t 
 {
     const uint32_t replicate = sample % FILM_REPLICATES;
     struct octet o;
-    rgb radiance;
+    rgb radiance[FILM_REPLICATES];
     octet_init(&o, s, x_px, y_px);
     octet_go(&o, sample / FILM_REPLICATES);
-    octet_radiance(&o, replicate, replicate + 1, &radiance);
-    return radiance;
+    octet_radiance(&o, 1u << replicate, radiance);
+    return radiance[replicate];
 }
 
 /* False for a NaN. */
@@ -107,9 +105,9 @@ static void render_pixel(const struct stage *s, struct film_samples *out, uint32
         if (end > out->pass.s_end)
             end = out->pass.s_end;
         octet_go(&octet, first / FILM_REPLICATES);
-        octet_radiance(&octet, begin, end - first, radiance);
+        octet_radiance(&octet, (1u << (end - first)) - (1u << begin), radiance);
         for (uint32_t k = i; k < end; k++) {
-            const rgb c = radiance[k - i];
+            const rgb c = radiance[k % FILM_REPLICATES];
             if (is_valid(c))
                 exact[k % FILM_REPLICATES] += f64x4_of(c);
             else

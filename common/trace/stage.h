@@ -21,7 +21,7 @@
 
 #define STAGE_MAGIC "SMSTAGE"
 
-enum { STAGE_VERSION = 3, STAGE_ALIGN = 64, STAGE_LANES = 8 };
+enum { STAGE_VERSION = 4, STAGE_ALIGN = 64, STAGE_LANES = 8 };
 
 struct stage_span {  /* an array inside the block */
     uint64_t offset; /* bytes from the start of the stage, 64-aligned */
@@ -107,6 +107,18 @@ struct emitter {
     float pick;               /* probability of being chosen; they sum to 1 */
 };
 
+/* The emitters once more, in lanes, where there are few and all are triangles that pick_cdf chooses
+ * among: light8.h. */
+struct stage_lamps {
+    _Alignas(32) float v[3][3][STAGE_LANES]; /* [vertex][axis][lane]; unused lanes are as lane 0 */
+    float normal[3][STAGE_LANES];            /* unit, as of surface_on_triangle */
+    float area[STAGE_LANES], radiance[3][STAGE_LANES];
+    float begin[STAGE_LANES], end[STAGE_LANES]; /* the emitter's part of pick_cdf */
+    uint32_t prim[STAGE_LANES];
+    uint32_t count; /* of emitters */
+    uint32_t pad[7];
+};
+
 struct stage_camera {
     float origin[3];
     float corner[3];    /* direction_raw through the top left corner of the frame */
@@ -142,6 +154,7 @@ struct stage {
     struct stage_span materials; /* struct material, names NULL */
     struct stage_span emitters;  /* struct emitter */
     struct stage_span pick_cdf;  /* float: cumulative pick, one more than emitters */
+    struct stage_span lamps;     /* struct stage_lamps: one, or none */
 };
 
 static inline const void *stage_at(const struct stage *s, struct stage_span span)
