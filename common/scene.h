@@ -37,6 +37,7 @@ enum {
     SCENE_MAX_TRIANGLES = 100000000,    /* of one mesh; prep.h bounds the whole scene */
     SCENE_MAX_NAME = 128,               /* bytes of a name or title */
     SCENE_MAX_BOUNCES = 10000,
+    SCENE_MAX_BLADES = 64,              /* of an aperture */
     SCENE_MAX_SPP = 1 << 24,
 };
 
@@ -48,18 +49,42 @@ struct scene_film {
     uint32_t crop_x_begin, crop_y_begin, crop_x_end, crop_y_end;
     enum filter_kind filter;
     float filter_radius_px; /* half width: box .5 is one pixel, tent 1 reaches the neighbours */
+    uint32_t layers;        /* layers.h; 0: the image alone */
 };
 
-struct scene_camera {       /* perspective, pinhole */
-    struct xform to_world;  /* rigid: columns right, up, back (-view), position */
-    float fov_y_rad;        /* full vertical opening angle of the whole frame, (0, pi) */
+enum camera_kind { CAMERA_PERSPECTIVE, CAMERA_THIN_LENS, CAMERA_ORTHOGRAPHIC, CAMERA_PANORAMIC };
+
+struct scene_camera {
+    enum camera_kind kind;
+    struct xform to_world; /* rigid: columns right, up, back (-view), position */
+    union {
+        struct {             /* PERSPECTIVE, THIN_LENS: */
+            float fov_y_rad; /* full vertical opening angle of the whole frame, (0, pi) */
+            /* THIN_LENS alone. What lies at the depth `focus` in front of the camera is sharp. */
+            float lens_radius; /* [0, focus] */
+            float focus;       /* > 0 */
+            uint32_t blades;   /* the aperture's corners, on its circle; 0: it is round */
+            float blades_turn; /* of the first corner, in turns from right towards up, [0, 1) */
+        };
+        struct {                 /* ORTHOGRAPHIC: what the whole frame shows, m. One of the two is */
+            float width, height; /* 0: it follows from the other and the film */
+        };
+    };
 };
 
 enum material_kind { MATERIAL_DIFFUSE, MATERIAL_MIRROR, MATERIAL_DIELECTRIC, MATERIAL_CONDUCTOR };
 
+/* What shading with a material asks of the surface beside its place and its normal. */
+enum material_needs {
+    MATERIAL_NEEDS_UV = 1,      /* uv: a parameter is textured */
+    MATERIAL_NEEDS_TANGENT = 2, /* the x axis of the local frame along growing u */
+    MATERIAL_NEEDS_COLOR = 4,   /* the mesh's vertex colours */
+};
+
 struct material {
     const char *name;
     enum material_kind kind;
+    uint32_t needs; /* enum material_needs, or-ed */
     union {
         struct {
             rgb albedo; /* [0, 1] */
@@ -90,6 +115,15 @@ struct mesh {
     const float *vertices;   /* [vertex_count][3] */
     const uint32_t *indices; /* [triangle_count][3], each < vertex_count; counter-clockwise is front */
     uint32_t vertex_count, triangle_count;
+    /* NULL: it has none. Vertices that differ only in these have the same bits of position. */
+    const float *normals; /* [vertex_count][3], unit; 0, 0, 0: none here, its triangles are flat */
+    const float *uvs;     /* [vertex_count][2], uv origin bottom left */
+    const float *colors;  /* [vertex_count][3], linear */
+};
+
+enum mesh_normals {
+    MESH_NORMALS_GIVEN, /* the mesh's own; a mesh without them is flat */
+    MESH_NORMALS_FLAT,  /* its triangles' */
 };
 
 enum shape_kind { SHAPE_SPHERE, SHAPE_DISC, SHAPE_CYLINDER, SHAPE_QUAD, SHAPE_MESH };
@@ -116,6 +150,7 @@ struct shape {
         } quad;
         struct {
             uint32_t mesh; /* index into scene.meshes; shapes that name the same one share it */
+            enum mesh_normals normals;
         } mesh;
     };
 };

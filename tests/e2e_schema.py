@@ -16,6 +16,7 @@ ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
 
 # What takes more than one value, or the bytes before they are values.
 BEYOND_A_SCHEMA = {
+    "camera-lens-wider-than-focus": "one number against another",
     "camera-look-at-itself": "two points coincide",
     "camera-matrix-mirrored": "geometry of a matrix",
     "camera-matrix-scaled": "geometry of a matrix",

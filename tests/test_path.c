@@ -99,7 +99,7 @@ static double luminance_along(const struct stage *stage, struct ray ray, const s
     struct path_starts start;
     rgb radiance;
     path_begin(stage, 1, &ray, &start);
-    path_radiance(stage, 1, &start, rng, roulette_begin, &radiance);
+    path_radiance(stage, 1, &start, rng, roulette_begin, NULL, &radiance);
     return (double)rgb_luminance(radiance);
 }
 

@@ -183,7 +183,7 @@ static void paths_are_the_same(enum room room, const char *name)
             rngs[i] = rng_make(n, i, room, dice_bits(&d) % 4096);
         }
         path_begin(stage, which, rays, &starts);
-        path_radiance(stage, which, &starts, rngs, roulette_begin, radiance);
+        path_radiance(stage, which, &starts, rngs, roulette_begin, NULL, radiance);
         for (uint32_t i = 0; i < PATH_WAVE; i++) {
             if (!(which >> i & 1))
                 continue;

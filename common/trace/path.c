@@ -58,17 +58,20 @@ static rgb emission_of_lane(const struct stage *s, const struct path8_vertex *v,
 }
 
 /* The vertex of a lane, alone. */
-static struct path_vertex vertex_of_lane(const struct path8_vertex *v, uint32_t i)
+static struct path_vertex vertex_of_lane(const struct stage *s, const struct path8_vertex *v,
+                                         uint32_t i)
 {
     const vec3 ng = vec8_lane(&v->at.ng, i);
     const struct surface at = {.p = vec8_lane(&v->at.p, i),
                                .p_error = vec8_lane(&v->at.p_error, i),
                                .ng = ng,
                                .prim = v->at.prim[i],
+                               .material = v->material[i],
                                .emitter = v->emitter[i]};
     return (struct path_vertex){.at = at,
                                 .frame = warp_frame_make(ng),
-                                .material = v->material[i],
+                                .material = (const struct material *)stage_at(s, s->materials) +
+                                            v->material[i],
                                 .wo = vec8_lane(&v->wo, i)};
 }
 
@@ -77,6 +80,7 @@ void path_begin(const struct stage *s, uint32_t which, const struct ray rays[],
 {
     struct ray_hit hits[PATH_WAVE];
     const uint32_t found = bvh_hit_closest_8(s, which, rays, hits);
+    starts->met = found;
     starts->ends = s->settings.max_bounces == 0 ? which : which & ~found;
     starts->plain = path8_arrive(s, found, rays, hits, &starts->lanes);
     for (; which; which &= which - 1) {
@@ -92,6 +96,11 @@ void path_begin(const struct stage *s, uint32_t which, const struct ray rays[],
         starts->vertices[i] = vertex_make(s, &rays[i], &hits[i]);
         starts->light[i] = emission(s, &starts->vertices[i]);
     }
+}
+
+struct path_vertex path_first(const struct stage *s, const struct path_starts *starts, uint32_t i)
+{
+    return starts->plain >> i & 1 ? vertex_of_lane(s, &starts->lanes, i) : starts->vertices[i];
 }
 
 /* --- paths in step --- */
@@ -218,19 +227,19 @@ static void draw(struct wave *w)
 
 /* --- paths in lanes --- */
 
-static struct path path_of_lane(const struct path8 *lanes, uint32_t i)
+static struct path path_of_lane(const struct stage *s, const struct path8 *lanes, uint32_t i)
 {
     return (struct path){.light = vec8_lane(&lanes->light, i),
                          .throughput = vec8_lane(&lanes->throughput, i),
                          .scale = lanes->scale[i],
                          .pdf_w = lanes->pdf_w[i],
-                         .vertex = vertex_of_lane(&lanes->vertex, i)};
+                         .vertex = vertex_of_lane(s, &lanes->vertex, i)};
 }
 
 /* From the lanes to itself, and the reverse, with the vertex that it has come from. */
 static void leave_lanes(struct wave *w, uint32_t i)
 {
-    w->paths[i] = path_of_lane(&w->lanes, i);
+    w->paths[i] = path_of_lane(w->stage, &w->lanes, i);
     w->plain &= ~(1u << i);
 }
 
@@ -254,9 +263,9 @@ static void add_light(struct wave *w, uint32_t lanes, struct vec8 light)
 /* As find_emission, for a path whose next vertex is a lane of `at`. */
 static void find_emission_of_lane(struct wave *w, uint32_t i, const struct path8_vertex *at)
 {
-    struct path p = path_of_lane(&w->lanes, i);
+    struct path p = path_of_lane(w->stage, &w->lanes, i);
     const vec3 from = p.vertex.at.p;
-    p.vertex = vertex_of_lane(at, i);
+    p.vertex = vertex_of_lane(w->stage, at, i);
     find_emission(w->stage, &p, from);
     vec8_set_lane(&w->lanes.light, i, p.light);
 }
@@ -278,7 +287,7 @@ static uint32_t wave_scatter(struct wave *w)
     else if (s->emitters.count > 0)
         for (uint32_t lanes = plain; lanes; lanes &= lanes - 1) {
             const uint32_t i = (uint32_t)__builtin_ctz(lanes);
-            w->paths[i] = path_of_lane(&w->lanes, i);
+            w->paths[i] = path_of_lane(w->stage, &w->lanes, i);
             light_directly(w, i);
         }
     if (plain)
@@ -334,8 +343,26 @@ static void wave_arrive(struct wave *w, uint32_t next)
     w->bounce++;
 }
 
+/* Of path i, found up to here. */
+static rgb wave_light(const struct wave *w, uint32_t i)
+{
+    return w->plain >> i & 1 ? vec8_lane(&w->lanes.light, i) : w->paths[i].light;
+}
+
+/* The terms from the bounces so far on: those that there are no more bounces for are like the last.
+ */
+static void note_terms(const struct wave *w, uint32_t which, struct path_terms *terms)
+{
+    const uint32_t end = w->going ? w->bounce + 1 : terms->count;
+    for (uint32_t k = w->bounce; k < end && k < terms->count; k++)
+        for (uint32_t i = 0; i < PATH_WAVE; i++)
+            if (which >> i & 1)
+                terms->light[k][i] = wave_light(w, i);
+}
+
 void path_radiance(const struct stage *s, uint32_t which, const struct path_starts *starts,
-                   const struct rng rngs[], uint32_t roulette_begin, rgb radiance[])
+                   const struct rng rngs[], uint32_t roulette_begin, struct path_terms *terms,
+                   rgb radiance[])
 {
     struct wave w;
     w.stage = s;
@@ -355,14 +382,15 @@ void path_radiance(const struct stage *s, uint32_t which, const struct path_star
         if (w.going >> i & 1)
             w.paths[i].vertex = starts->vertices[i];
     }
-    while (w.going) {
+    for (;;) {
+        if (terms)
+            note_terms(&w, which, terms);
+        if (!w.going)
+            break;
         draw(&w);
         wave_arrive(&w, wave_scatter(&w));
     }
-    vec3 light[PATH_WAVE];
-    vec8_scatter(w.lanes.light, light);
-    for (; which; which &= which - 1) {
-        const uint32_t i = (uint32_t)__builtin_ctz(which);
-        radiance[i] = w.plain >> i & 1 ? light[i] : w.paths[i].light;
-    }
+    for (uint32_t i = 0; i < PATH_WAVE; i++)
+        if (which >> i & 1)
+            radiance[i] = wave_light(&w, i);
 }

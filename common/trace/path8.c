@@ -30,7 +30,7 @@ static inline bool look_up(const struct stage *s, uint32_t i, const struct ray_h
     f->u[i] = hit->u;
     f->v[i] = hit->v;
     f->prim[i] = hit->prim;
-    v->material[i] = m;
+    v->material[i] = shape->material;
     v->emitter[i] = shape->emitter_begin == STAGE_NONE
                         ? STAGE_NONE
                         : shape->emitter_begin + hit->prim - shape->prim_begin;

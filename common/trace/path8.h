@@ -17,7 +17,7 @@ struct path8_vertex { /* as struct path_vertex */
     struct warp8_frame frame;
     struct vec8 wo, albedo;
     uint32_t emitter[8];
-    const struct material *material[8];
+    uint32_t material[8];
     uint32_t shining; /* bit i: the vertex emits to where the ray came from */
 };
 
