@@ -19,6 +19,13 @@ static rgb albedo(const struct path_vertex *v, const struct rng *rng)
     return next.weight / next.scale;
 }
 
+static double depth(const struct stage_view *view, vec3 p)
+{
+    const vec3 way = p - vec3_load(view->position), along = vec3_load(view->direction);
+    const bool none = along[0] == 0 && along[1] == 0 && along[2] == 0;
+    return (double)(none ? vec3_length(way) : vec3_dot(way, along));
+}
+
 void layer_surface(const struct stage *s, uint32_t layers, const struct path_start *start,
                    const struct rng *rng, uint32_t sample, double channels[])
 {
@@ -30,11 +37,8 @@ void layer_surface(const struct stage *s, uint32_t layers, const struct path_sta
         add(channels + layers_at(layers, LAYER_ALBEDO), albedo(v, rng));
     if (layers & LAYER_NORMAL)
         add(channels + layers_at(layers, LAYER_NORMAL), v->wo[2] < 0 ? -v->frame.z : v->frame.z);
-    if (layers & LAYER_DEPTH) {
-        const vec3 way = v->at.p - vec3_load(s->view.position);
-        channels[layers_at(layers, LAYER_DEPTH)] +=
-            (double)vec3_dot(way, vec3_load(s->view.direction));
-    }
+    if (layers & LAYER_DEPTH)
+        channels[layers_at(layers, LAYER_DEPTH)] += depth(&s->view, v->at.p);
     if (layers & LAYER_POSITION)
         add(channels + layers_at(layers, LAYER_POSITION), v->at.p);
     if (layers & LAYER_MATERIAL && sample == 0)

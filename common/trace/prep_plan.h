@@ -76,4 +76,7 @@ void prep_triangle_world(const struct mesh *, const struct shape *, bool mirrore
 bool prep_detail_plan(struct prep_plan *, struct arena *scratch, struct err *) MUST_CHECK;
 void prep_detail_write(const struct prep_plan *, unsigned char *block);
 
+/* Where the camera stands and how it maps the film. */
+void prep_camera(struct stage_camera *, const struct scene *);
+
 #endif

@@ -141,15 +141,20 @@ struct emitter {
     float pick;               /* probability of being chosen; they sum to 1 */
 };
 
-struct stage_camera {
+struct stage_camera {   /* as perspective and thin lens have it; the others: camera.c */
     float origin[3];
-    float corner[3];    /* direction_raw through the top left corner of the frame */
+    float corner[3];    /* direction_raw through the top left corner of the frame, 1 deep */
     float dx[3], dy[3]; /* per pixel to the right, down */
+    enum camera_kind kind;
+    uint32_t blades;             /* THIN_LENS: corners of the aperture; 0: round */
+    float lens_x[3], lens_y[3];  /* THIN_LENS: across the aperture, from its middle to its circle */
+    float inv_focus;             /* THIN_LENS: 1 / m */
+    float turns_x, turns_y;      /* PANORAMIC: per pixel */
 };
 
 struct stage_view { /* what depth is measured along */
     float position[3];
-    float direction[3]; /* unit */
+    float direction[3]; /* unit; 0: none, depth is the distance */
 };
 
 struct stage {
