@@ -56,7 +56,7 @@ static struct ray skin_ray(const struct skin *skin, const struct rng *rng)
 /* Each replicate of each of many pixels is independent of all others. */
 static struct scenes_mean skin_mean(const struct skin *skin, uint32_t samples)
 {
-    enum { PIXELS = 64 };
+    enum { PIXELS = 64, ALL = (1 << PATH_WAVE) - 1 };
     const uint32_t each = samples / (PIXELS * PATH_WAVE);
     struct stat_mean m = {0};
     for (uint32_t pixel = 0; pixel < PIXELS; pixel++) {
@@ -64,16 +64,16 @@ static struct scenes_mean skin_mean(const struct skin *skin, uint32_t samples)
         for (uint32_t j = 0; j < each; j++) {
             struct ray rays[PATH_WAVE];
             struct rng rngs[PATH_WAVE];
-            struct path_start starts[PATH_WAVE];
+            struct path_starts starts;
             rgb light[PATH_WAVE];
             for (uint32_t k = 0; k < PATH_WAVE; k++) {
                 rngs[k] = rng_make(1, pixel, 0, PATH_WAVE * j + k);
                 rays[k] = skin_ray(skin, &rngs[k]);
             }
-            path_begin(skin->stage, rays, PATH_WAVE, starts);
+            path_begin(skin->stage, ALL, rays, &starts);
             for (uint32_t k = 0; k < PATH_WAVE; k++)
-                starts[k].light = rgb_gray(0);
-            path_radiance(skin->stage, starts, rngs, PATH_WAVE, PATH_ROULETTE_BEGIN, NULL, light);
+                starts.light[k] = rgb_gray(0);
+            path_radiance(skin->stage, ALL, &starts, rngs, PATH_ROULETTE_BEGIN, NULL, light);
             for (uint32_t k = 0; k < PATH_WAVE; k++)
                 sum[k] += (double)light[k][1] / each;
         }

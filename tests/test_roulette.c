@@ -74,16 +74,18 @@ struct walk {
 static void walk(const struct stage *stage, struct ray ray, uint32_t roulette_begin, uint32_t count,
                  struct walk *w)
 {
-    struct path_start start, starts[PATH_WAVE];
-    path_begin(stage, &ray, 1, &start);
+    enum { ALL = (1 << PATH_WAVE) - 1 };
+    struct path_starts starts;
+    struct ray rays[PATH_WAVE];
     for (uint32_t i = 0; i < PATH_WAVE; i++)
-        starts[i] = start;
+        rays[i] = ray;
+    path_begin(stage, ALL, rays, &starts);
     for (uint32_t i = 0; i < count; i += PATH_WAVE) {
         struct rng rngs[PATH_WAVE];
         rgb light[PATH_WAVE];
         for (uint32_t k = 0; k < PATH_WAVE; k++)
             rngs[k] = rng_make(9, (i + k) & 0xffff, (i + k) >> 16, 0);
-        path_radiance(stage, starts, rngs, PATH_WAVE, roulette_begin, NULL, light);
+        path_radiance(stage, ALL, &starts, rngs, roulette_begin, NULL, light);
         for (uint32_t k = 0; k < PATH_WAVE; k++) {
             stat_add(&w->light, (double)light[k][0]);
             if (w->lengths)
