@@ -83,7 +83,8 @@ static bool arrive(struct alone *a, const struct ray *ray, bool first)
 {
     struct ray_hit hit;
     if (!bvh_hit_closest(a->stage, ray, &hit)) {
-        a->light += first ? a->stage->sky : a->throughput * a->stage->sky;
+        const rgb sky = path_beyond(a->stage, ray->dir, first ? 0 : a->pdf_w);
+        a->light += first ? sky : a->throughput * sky;
         return false;
     }
     const vec3 from = a->at.p;

@@ -40,6 +40,17 @@ struct path_vertex path_vertex_make(const struct stage *s, const struct ray *ray
     };
 }
 
+rgb path_beyond(const struct stage *s, vec3 dir, float pdf_w)
+{
+    rgb light = s->sky;
+    for (uint32_t e = s->beyond_begin; e < s->emitters.count; e++) {
+        const rgb found = light_beyond(s, e, dir);
+        if (!rgb_is_black(found))
+            light += found * (pdf_w == 0 ? 1 : mis_weight(pdf_w, light_beyond_pdf_w(s, e, dir)));
+    }
+    return light;
+}
+
 rgb path_emission(const struct stage *s, const struct path_vertex *v)
 {
     if (v->at.emitter == STAGE_NONE || !(v->wo[2] > 0))

@@ -45,6 +45,10 @@ struct path_draw { /* the random numbers of a scattering */
 struct path_vertex path_vertex_make(const struct stage *, const struct ray *,
                                     const struct ray_hit *);
 
+/* What a ray that leaves the scene meets. pdf_w: of its direction, by the sampling that made it; 0:
+ * nothing else could have made it. */
+rgb path_beyond(const struct stage *, vec3 dir, float pdf_w);
+
 /* What the vertex emits to where the ray came from. */
 rgb path_emission(const struct stage *, const struct path_vertex *);
 

@@ -35,6 +35,7 @@ static const struct row rows[] = {
     ROW(normals, struct stage_normal),
     ROW(uvs, struct stage_uv),
     ROW(colors, struct stage_color),
+    ROW(spots, struct stage_spot),
 };
 
 _Static_assert((sizeof(struct stage) - offsetof(struct stage, shapes)) /

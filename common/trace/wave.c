@@ -73,7 +73,7 @@ void wave_begin(const struct stage *s, uint32_t which, const struct ray rays[],
     starts->plain = path8_arrive(s, found, rays, hits, &starts->lanes);
     for (uint32_t left = which; left; left &= left - 1) {
         const uint32_t i = lowest(left), bit = 1u << i;
-        starts->light[i] = found & bit ? rgb_gray(0) : s->sky;
+        starts->light[i] = found & bit ? rgb_gray(0) : path_beyond(s, rays[i].dir, 0);
         if (found & bit & ~starts->plain)
             starts->vertices[i] = path_vertex_make(s, &rays[i], &hits[i]);
         if (found & bit & ~(starts->plain & ~starts->lanes.shining)) {
@@ -176,17 +176,22 @@ static uint32_t scatter(struct wave *w)
 
 /* --- from rays to vertices --- */
 
-/* Light of the sky, where a path ends. */
+/* The sky and what stands in it, where a path ends. */
 static void leave_scene(struct wave *w, uint32_t which)
 {
-    const rgb sky = w->stage->sky;
-    if (which & w->plain) {
-        const struct vec8 all = {f32x8_splat(sky[0]), f32x8_splat(sky[1]), f32x8_splat(sky[2])};
-        add_to_lanes(w, which & w->plain, vec8_mul(w->lanes.throughput, all));
+    const struct stage *s = w->stage;
+    if (s->beyond_begin == s->emitters.count && which & w->plain) { /* the same for all of them */
+        const struct vec8 sky = {f32x8_splat(s->sky[0]), f32x8_splat(s->sky[1]),
+                                 f32x8_splat(s->sky[2])};
+        add_to_lanes(w, which & w->plain, vec8_mul(w->lanes.throughput, sky));
+        which &= ~w->plain;
     }
-    for (uint32_t left = which & ~w->plain; left; left &= left - 1) {
-        struct path *p = &w->paths[lowest(left)];
-        p->light += p->throughput * sky;
+    for (; which; which &= which - 1) {
+        const uint32_t i = lowest(which);
+        if (w->plain >> i & 1)
+            leave_lanes(w, i);
+        struct path *p = &w->paths[i];
+        p->light += p->throughput * path_beyond(s, w->rays[i].dir, p->pdf_w);
     }
 }
 
