@@ -33,8 +33,7 @@ static bool same(const struct wire_samples *a, const struct wire_samples *b)
            a->cpu_us == b->cpu_us && !memcmp(&s->rect, &t->rect, sizeof s->rect) &&
            !memcmp(&s->pass, &t->pass, sizeof s->pass) && s->invalid_count == t->invalid_count &&
            s->key_count == t->key_count && !memcmp(s->keys, t->keys, sizeof s->keys) &&
-           !memcmp(s->sums, t->sums,
-                   tile_rect_pixels(s->rect) * FILM_CHANNELS * sizeof *s->sums);
+           !memcmp(s->sums, t->sums, tile_rect_pixels(s->rect) * FILM_CHANNELS * sizeof *s->sums);
 }
 
 static void round_trip(bool flat)
@@ -108,8 +107,7 @@ static void refuses(const char *what, struct wire_samples w)
     struct err err = {0};
     struct wire_samples back;
     wire_encode(&w, &b);
-    ok(!wire_decode(&back, b.data, b.size, &arena, &err) && err.code == ERR_PROTOCOL &&
-           err.text[0],
+    ok(!wire_decode(&back, b.data, b.size, &arena, &err) && err.code == ERR_PROTOCOL && err.text[0],
        "refuses %s", what);
     buf_release(&b);
     arena_release(&arena);
@@ -134,11 +132,11 @@ static void refuses_lies(void)
     w = good;
     w.samples.keys[0].sample = 32;
     refuses("a key outside the pass", w);
-    static const float bad[] = {NAN, INFINITY, -1};
+    static const float bad[] = {NAN, INFINITY, -INFINITY};
     for (size_t i = 0; i < countof(bad); i++) {
         w = message(&arena, false);
         w.samples.sums[4799] = bad[i];
-        refuses(i == 0 ? "NaN" : i == 1 ? "infinity" : "a negative sum", w);
+        refuses(i == 0 ? "NaN" : i == 1 ? "infinity" : "minus infinity", w);
     }
     arena_release(&arena);
 }

@@ -111,6 +111,7 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->materials, p->scene->materials, sizeof *p->scene->materials},
         {&head->emitters, p->emitters, sizeof *p->emitters},
         {&head->pick_cdf, p->pick_cdf, sizeof *p->pick_cdf},
+        {&head->knots, p->knots, sizeof *p->knots},
     };
     uint64_t bytes = (sizeof *head + STAGE_ALIGN - 1) / STAGE_ALIGN * STAGE_ALIGN;
     for (size_t i = 0; i < countof(pieces); i++) {
@@ -208,6 +209,7 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
     add_lights(&p);
     pick_emitters(&p);
     prep_camera(&p.head.camera, scene);
+    prep_filter(&p, scratch);
     const bool fits = check_lines(&p, err);
     if (fits) {
         unsigned char *block = lay_out(&p, arena);

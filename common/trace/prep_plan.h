@@ -30,6 +30,7 @@ struct prep_plan {
     struct emitter *emitters;
     double *power; /* of each emitter */
     float *pick_cdf;
+    struct stage_knot *knots;
 };
 
 /* Allocates the arrays. False: too many primitives. */
@@ -42,5 +43,8 @@ void prep_shapes(struct prep_plan *, const struct crew *);
 
 /* Where the camera stands and how it maps the film. */
 void prep_camera(struct stage_camera *, const struct scene *);
+
+/* The pixel filter's knots, if it has any; its zero and gain. */
+void prep_filter(struct prep_plan *, struct arena *scratch);
 
 #endif

@@ -4,11 +4,12 @@
 #include <assert.h>
 
 #include "common/trace/camera.h"
+#include "common/trace/filter.h"
 #include "common/trace/path.h"
 #include "common/trace/rng.h"
 
-/* A sample above this is taken for an error. SCENE_MAX_SPP = 2^24 samples below it add up to less
- * than 2^127, so that no sum leaves the range of float. */
+/* A sample above this is taken for an error. SCENE_MAX_SPP = 2^24 samples below it, weighed by 16/9
+ * at most, add up to less than 2^127, so that no sum leaves the range of float. */
 #define RENDER_MAX_RADIANCE 0x1p+102f
 
 _Static_assert((int)FILM_REPLICATES == (int)PATH_WAVE, "an octet is a wave");
@@ -20,6 +21,7 @@ struct octet {
     uint32_t x_px, y_px;
     struct rng_pixel rng;
     struct camera_rays rays;
+    f32x8 weight;                              /* of the elder's samples, if the filter is signed */
     uint32_t elder;                            /* whose rays they are; UINT32_MAX: nobody's */
     uint32_t begun;                            /* bit i: starts[i] is the elder's, too */
     struct path_start starts[FILM_REPLICATES]; /* for two siblings each */
@@ -53,8 +55,10 @@ static void octet_go(struct octet *o, uint32_t index)
     o->elder = index / 2;
     o->begun = 0;
     const struct sobol8_square q = rng_pixel_filter(&o->rng);
-    const f32x8 x = (float)o->x_px + 0.5f + camera_filter(&s->film, q.u);
-    const f32x8 y = (float)o->y_px + 0.5f + camera_filter(&s->film, q.v);
+    const f32x8 dx = filter_offset(s, q.u), dy = filter_offset(s, q.v);
+    const f32x8 x = (float)o->x_px + 0.5f + dx, y = (float)o->y_px + 0.5f + dy;
+    if (filter_is_signed(s))
+        o->weight = filter_weight(s, dx, dy);
     if (s->camera.kind == CAMERA_PERSPECTIVE)
         camera_rays(&s->camera, x, y, &o->rays);
     else
@@ -106,6 +110,22 @@ static bool is_valid(rgb c)
     return (i32x4_mask((c >= least) & (c <= most)) & 7) == 7;
 }
 
+/* Samples [begin, end) of one octet. A radiance is judged before the filter's sign is applied. Each
+ * call has its own copy: the usual one does not ask. */
+static inline __attribute__((always_inline)) void
+add_octet(const struct octet *o, struct film_samples *out, uint32_t begin, uint32_t end,
+          const rgb radiance[], bool weigh, f64x4 sums[FILM_REPLICATES])
+{
+    for (uint32_t k = begin; k < end; k++) {
+        const uint32_t replicate = k % FILM_REPLICATES;
+        const rgb c = radiance[k - begin];
+        if (is_valid(c))
+            sums[replicate] += f64x4_of(weigh ? c * o->weight[replicate] : c);
+        else
+            film_samples_note_invalid(out, (struct film_key){o->x_px, o->y_px, k});
+    }
+}
+
 static void render_pixel(const struct stage *s, struct film_samples *out, uint32_t x_px,
                          uint32_t y_px, float sums[FILM_CHANNELS])
 {
@@ -120,13 +140,10 @@ static void render_pixel(const struct stage *s, struct film_samples *out, uint32
             end = out->pass.s_end;
         octet_go(&octet, first / FILM_REPLICATES);
         octet_radiance(&octet, begin, end - first, radiance);
-        for (uint32_t k = i; k < end; k++) {
-            const rgb c = radiance[k - i];
-            if (is_valid(c))
-                exact[k % FILM_REPLICATES] += f64x4_of(c);
-            else
-                film_samples_note_invalid(out, (struct film_key){x_px, y_px, k});
-        }
+        if (__builtin_expect(filter_is_signed(s), false))
+            add_octet(&octet, out, i, end, radiance, true, exact);
+        else
+            add_octet(&octet, out, i, end, radiance, false, exact);
     }
     for (int i = 0; i < FILM_REPLICATES; i++)
         vec3_store(sums + 3 * i, f64x4_round(exact[i]));

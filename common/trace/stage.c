@@ -29,6 +29,7 @@ static const struct row rows[] = {
     ROW(materials, struct material),
     ROW(emitters, struct emitter),
     ROW(pick_cdf, float),
+    ROW(knots, struct stage_knot),
 };
 
 _Static_assert((sizeof(struct stage) - offsetof(struct stage, shapes)) /
