@@ -57,6 +57,7 @@ struct scene_film {
     float filter_radius_px; /* half width: box .5 is one pixel, tent 1 reaches the neighbours */
     float filter_sigma_px;      /* GAUSSIAN */
     float filter_b, filter_c;   /* MITCHELL, [0, 1] */
+    uint32_t layers;        /* layers.h; 0: the image alone */
 };
 
 enum camera_kind { CAMERA_PERSPECTIVE, CAMERA_THIN_LENS, CAMERA_ORTHOGRAPHIC, CAMERA_PANORAMIC };
@@ -81,9 +82,17 @@ struct scene_camera {
 
 enum material_kind { MATERIAL_DIFFUSE, MATERIAL_MIRROR, MATERIAL_DIELECTRIC, MATERIAL_CONDUCTOR };
 
+/* What shading with a material asks of the surface beside its place and its normal. */
+enum material_needs {
+    MATERIAL_NEEDS_UV = 1,      /* uv: a parameter is textured */
+    MATERIAL_NEEDS_TANGENT = 2, /* the x axis of the local frame along growing u */
+    MATERIAL_NEEDS_COLOR = 4,   /* the mesh's vertex colours */
+};
+
 struct material {
     const char *name;
     enum material_kind kind;
+    uint32_t needs; /* enum material_needs, or-ed */
     union {
         struct {
             rgb albedo; /* [0, 1] */
@@ -114,6 +123,15 @@ struct mesh {
     const float *vertices;   /* [vertex_count][3] */
     const uint32_t *indices; /* [triangle_count][3], each < vertex_count; counter-clockwise is front */
     uint32_t vertex_count, triangle_count;
+    /* NULL: it has none. Vertices that differ only in these have the same bits of position. */
+    const float *normals; /* [vertex_count][3], unit; 0, 0, 0: none here, its triangles are flat */
+    const float *uvs;     /* [vertex_count][2], uv origin bottom left */
+    const float *colors;  /* [vertex_count][3], linear */
+};
+
+enum mesh_normals {
+    MESH_NORMALS_GIVEN, /* the mesh's own; a mesh without them is flat */
+    MESH_NORMALS_FLAT,  /* its triangles' */
 };
 
 enum shape_kind { SHAPE_SPHERE, SHAPE_DISC, SHAPE_CYLINDER, SHAPE_QUAD, SHAPE_MESH };
@@ -140,6 +158,7 @@ struct shape {
         } quad;
         struct {
             uint32_t mesh; /* index into scene.meshes; shapes that name the same one share it */
+            enum mesh_normals normals;
         } mesh;
     };
 };

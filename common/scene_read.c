@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "common/scene_read.h"
 
+#include "common/layers.h"
 #include "common/scene_check.h"
 
 static void read_crop(struct scene_doc *doc, const struct scene_at *at, bool size_known,
@@ -31,10 +32,35 @@ static void read_crop(struct scene_doc *doc, const struct scene_at *at, bool siz
     }
 }
 
+/* The set that "layers" and "bounces" ask for. */
+static uint32_t read_layers(struct scene_doc *doc, const struct scene_at *film)
+{
+    static const char *const names[] = {"albedo", "normal", "depth", "position", "material"};
+    struct scene_at at;
+    uint64_t bounces = 0;
+    uint32_t set = 0;
+    if (scene_at_member(film, "layers", &at) &&
+        scene_doc_array(doc, &at, "layers", 0, countof(names)))
+        for (size_t i = 0; i < scene_at_count(&at); i++) {
+            const struct scene_at item = scene_at_item(&at, i);
+            size_t layer;
+            if (!scene_doc_choice(doc, &item, names, countof(names), &layer))
+                continue;
+            if (set >> layer & 1)
+                scene_doc_fault(doc, &item, ERR_INPUT, "the layer \"%s\" is there already",
+                                names[layer]);
+            set |= 1u << layer;
+        }
+    if (scene_key_integer(doc, film, "bounces", (struct scene_range){0, LAYERS_MAX_BOUNCES, true},
+                          &bounces))
+        return layers_make(set, (uint32_t)bounces);
+    return set;
+}
+
 static void read_film(struct scene_doc *doc, const struct scene_at *at, struct scene_film *film)
 {
-    static const struct scene_key keys[] = {
-        {"width", true}, {"height", true}, {"filter", false}, {"crop", false}};
+    static const struct scene_key keys[] = {{"width", true}, {"height", true},  {"filter", false},
+                                            {"crop", false}, {"layers", false}, {"bounces", false}};
     static const struct scene_range side = {1, SCENE_MAX_SIDE_PX, true};
     uint64_t width = 0, height = 0;
     scene_doc_object(doc, at, "the film", keys, countof(keys));
@@ -47,6 +73,7 @@ static void read_film(struct scene_doc *doc, const struct scene_at *at, struct s
                                 .crop_y_end = (uint32_t)height,
                                 .filter = FILTER_BOX,
                                 .filter_radius_px = .5f};
+    film->layers = read_layers(doc, at);
     struct scene_at member;
     if (scene_at_member(at, "filter", &member))
         scene_read_filter(doc, &member, film);

@@ -239,9 +239,11 @@ void scenes_render(const struct stage *stage, uint32_t spp, struct film *film)
     const struct scene_film *f = &stage->film;
     const struct tile_rect frame = {f->crop_x_begin, f->crop_y_begin, f->crop_x_end, f->crop_y_end};
     film_init(film, frame);
+    film_add_layers(film, stage->film.layers);
     struct arena arena = {0};
     for (uint32_t pass = 0; pass < tile_pass_count(spp); pass++) {
         struct film_samples samples = film_samples_make(frame, tile_pass_of(pass, spp), &arena);
+        film_samples_add_layers(&samples, film->layers, &arena);
         render_tile(stage, &samples);
         film_merge(film, &samples);
         arena_reset(&arena);

@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "common/estimate.h"
+#include "common/image.h"
 #include "tests/dice.h"
 #include "tests/scenes.h"
 #include "tests/stat/chi2.h"
@@ -253,6 +254,32 @@ static void errors_show(const struct scene_film *film)
     scenes_release(&s);
 }
 
+/* The terms of the light carry the sign of their sample. */
+static void terms_add_up(const struct scene_film *film)
+{
+    struct scenes s;
+    struct film out;
+    stage_of(&s, film);
+    s.scene.film.layers = layers_make(0, 1);
+    s.scene.materials[0].diffuse.albedo = rgb_gray(.5f);
+    scenes_sky(&s, rgb_gray(.25f));
+    scenes_render(scenes_stage(&s), 64, &out);
+    struct arena arena = {0};
+    const struct image image = image_from_film(&out, 16, 8, &arena);
+    const float *whole = image_find(&image, "R")->pixels;
+    const float *first = image_find(&image, "bounce0.R")->pixels;
+    const float *rest = image_find(&image, "rest.R")->pixels;
+    double off = 0, scattered = 0;
+    for (size_t i = 0; i < 16 * 8; i++) {
+        off = fmax(off, fabs((double)first[i] + (double)rest[i] - (double)whole[i]));
+        scattered += (double)rest[i];
+    }
+    ok(off < 1e-6 && scattered > 1, "bounce layers add up under a signed filter, too (%.1e)", off);
+    arena_release(&arena);
+    film_release(&out);
+    scenes_release(&s);
+}
+
 int main(void)
 {
     for (size_t i = 0; i < countof(filters); i++) {
@@ -266,5 +293,6 @@ int main(void)
         constant(filters[i].name, &filters[i].film);
     }
     errors_show(&filters[7].film);
+    terms_add_up(&filters[7].film);
     return tap_done();
 }

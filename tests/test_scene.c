@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "common/buf.h"
+#include "common/layers.h"
 #include "tests/tap.h"
 
 static struct arena arena;
@@ -99,6 +100,7 @@ static void film_and_settings(void)
     ok(scene.film.crop_x_begin == 10 && scene.film.crop_y_begin == 20 &&
            scene.film.crop_x_end == 30 && scene.film.crop_y_end == 40,
        "crop is x_begin, y_begin, x_end, y_end");
+    ok(scene.film.layers == 0, "no layers are made unless asked for");
     ok(scene.settings.max_bounces == 0 && scene.settings.seed == 9007199254740991u,
        "bounces and seed reach the ends of their ranges");
     ok(scene.settings.target.error == .02 && scene.settings.target.seconds == 60 &&
@@ -121,6 +123,10 @@ static void film_and_settings(void)
     ok(parse("{\"smalti\": 1, \"film\": {\"width\": 16384, \"height\": 16384, \"crop\": "
              "[16000, 16000, 16384, 16384]}, " CAMERA ", \"materials\": {}, \"shapes\": []}"),
        "the limit of pixels counts those that are rendered");
+    ok(parse("{\"smalti\": 1, \"film\": {\"width\": 9, \"height\": 9, \"layers\": [\"material\", "
+             "\"albedo\"], \"bounces\": 3}, " CAMERA ", \"materials\": {}, \"shapes\": []}") &&
+           scene.film.layers == layers_make(LAYER_MATERIAL | LAYER_ALBEDO, 3),
+       "layers are a set, bounces a count");
 }
 
 static void camera(void)

@@ -72,6 +72,14 @@ static void pick_emitters(struct prep_plan *p)
     }
 }
 
+/* A panorama looks everywhere: its depth is the distance. */
+static void set_view(struct stage_view *view, const struct scene_camera *c)
+{
+    vec3_store(view->position, xform_point(&c->to_world, vec3_make(0, 0, 0)));
+    if (c->kind != CAMERA_PANORAMIC)
+        vec3_store(view->direction, vec3_unit(xform_vector(&c->to_world, vec3_make(0, 0, -1))));
+}
+
 /* --- the block --- */
 
 struct piece {
@@ -112,6 +120,11 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->emitters, p->emitters, sizeof *p->emitters},
         {&head->pick_cdf, p->pick_cdf, sizeof *p->pick_cdf},
         {&head->knots, p->knots, sizeof *p->knots},
+        {&head->details, p->details, sizeof *p->details},
+        {&head->corners, NULL, sizeof(struct stage_corners)},
+        {&head->normals, NULL, sizeof(struct stage_normal)},
+        {&head->uvs, NULL, sizeof(struct stage_uv)},
+        {&head->colors, NULL, sizeof(struct stage_color)},
     };
     uint64_t bytes = (sizeof *head + STAGE_ALIGN - 1) / STAGE_ALIGN * STAGE_ALIGN;
     for (size_t i = 0; i < countof(pieces); i++) {
@@ -210,10 +223,12 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
     pick_emitters(&p);
     prep_camera(&p.head.camera, scene);
     prep_filter(&p, scratch);
-    const bool fits = check_lines(&p, err);
+    set_view(&p.head.view, &scene->camera);
+    const bool fits = prep_detail_plan(&p, scratch, err) && check_lines(&p, err);
     if (fits) {
         unsigned char *block = lay_out(&p, arena);
         write_trees(&p, block, crew);
+        prep_detail_write(&p, block);
         place_emitters(&p, (struct emitter *)(void *)(block + p.head.emitters.offset), scratch);
         *stage = (const struct stage *)(const void *)block;
     }

@@ -2,9 +2,11 @@
 #include "common/trace/render.h"
 
 #include <assert.h>
+#include <string.h>
 
 #include "common/trace/camera.h"
 #include "common/trace/filter.h"
+#include "common/trace/layer.h"
 #include "common/trace/path.h"
 #include "common/trace/rng.h"
 
@@ -78,15 +80,17 @@ static void octet_begin(struct octet *o, uint32_t begin, uint32_t end)
     o->begun |= wanted;
 }
 
-/* Radiance of those with replicates [begin, end). */
-static void octet_radiance(struct octet *o, uint32_t begin, uint32_t end, rgb radiance[])
+/* Radiance of those with replicates [begin, end), and its terms if they are asked for. */
+static void octet_radiance(struct octet *o, uint32_t begin, uint32_t end, rgb radiance[],
+                           struct path_terms *terms)
 {
     const struct stage *s = o->stage;
+    octet_begin(o, begin, end);
+    const struct path_start *starts = &o->starts[begin];
+    const struct rng *rngs = &o->rng.replicate[begin];
     switch (s->settings.integrator) {
     case INTEGRATOR_PATH:
-        octet_begin(o, begin, end);
-        path_radiance(s, &o->starts[begin], &o->rng.replicate[begin], end - begin,
-                      PATH_ROULETTE_BEGIN, radiance);
+        path_radiance(s, starts, rngs, end - begin, PATH_ROULETTE_BEGIN, terms, radiance);
         return;
     }
     __builtin_unreachable();
@@ -99,7 +103,7 @@ rgb render_sample(const struct stage *s, uint32_t x_px, uint32_t y_px, uint32_t 
     rgb radiance;
     octet_init(&o, s, x_px, y_px);
     octet_go(&o, sample / FILM_REPLICATES);
-    octet_radiance(&o, replicate, replicate + 1, &radiance);
+    octet_radiance(&o, replicate, replicate + 1, &radiance, NULL);
     return radiance;
 }
 
@@ -110,52 +114,93 @@ static bool is_valid(rgb c)
     return (i32x4_mask((c >= least) & (c <= most)) & 7) == 7;
 }
 
-/* Samples [begin, end) of one octet. A radiance is judged before the filter's sign is applied. Each
- * call has its own copy: the usual one does not ask. */
-static inline __attribute__((always_inline)) void
-add_octet(const struct octet *o, struct film_samples *out, uint32_t begin, uint32_t end,
-          const rgb radiance[], bool weigh, f64x4 sums[FILM_REPLICATES])
+/* One pixel's pass. */
+struct pixel {
+    f64x4 sums[FILM_REPLICATES];
+    double layers[LAYERS_MAX_CHANNELS];
+    struct path_terms terms;
+};
+
+/* The filter's sign, and gain, on what sample i has brought, which was judged before. */
+static void weigh(const struct octet *o, struct path_terms *terms, uint32_t i, uint32_t replicate,
+                  rgb *radiance)
 {
-    for (uint32_t k = begin; k < end; k++) {
-        const uint32_t replicate = k % FILM_REPLICATES;
-        const rgb c = radiance[k - begin];
-        if (is_valid(c))
-            sums[replicate] += f64x4_of(weigh ? c * o->weight[replicate] : c);
-        else
-            film_samples_note_invalid(out, (struct film_key){o->x_px, o->y_px, k});
+    *radiance *= o->weight[replicate];
+    for (uint32_t k = 0; k < terms->count; k++)
+        terms->light[k][i] *= o->weight[replicate];
+}
+
+/* What was found along samples [begin, end), all of one octet. Each call has its own copy: the
+ * usual one does not ask for the filter's sign. */
+static inline __attribute__((always_inline)) void
+add_samples(const struct octet *o, struct pixel *to, struct film_samples *out, uint32_t begin,
+            uint32_t end, rgb radiance[], bool is_signed)
+{
+    for (uint32_t i = 0; i < end - begin; i++) {
+        const uint32_t replicate = begin % FILM_REPLICATES + i;
+        if (out->layers)
+            layer_surface(o->stage, out->layers, &o->starts[replicate],
+                          &o->rng.replicate[replicate], begin + i, to->layers);
+        if (!is_valid(radiance[i])) {
+            film_samples_note_invalid(out, (struct film_key){o->x_px, o->y_px, begin + i});
+            continue;
+        }
+        if (is_signed)
+            weigh(o, &to->terms, i, replicate, &radiance[i]);
+        to->sums[replicate] += f64x4_of(radiance[i]);
+        if (to->terms.count)
+            layer_bounces(out->layers, &to->terms, i, radiance[i], to->layers);
     }
 }
 
-static void render_pixel(const struct stage *s, struct film_samples *out, uint32_t x_px,
-                         uint32_t y_px, float sums[FILM_CHANNELS])
+static void add_octet(struct octet *o, struct pixel *to, struct film_samples *out, uint32_t begin,
+                      uint32_t end)
 {
-    f64x4 exact[FILM_REPLICATES] = {{0}};
+    const uint32_t first = begin % FILM_REPLICATES;
+    rgb radiance[FILM_REPLICATES];
+    octet_go(o, begin / FILM_REPLICATES);
+    octet_radiance(o, first, first + end - begin, radiance, to->terms.count ? &to->terms : NULL);
+    if (__builtin_expect(filter_is_signed(o->stage), false))
+        add_samples(o, to, out, begin, end, radiance, true);
+    else
+        add_samples(o, to, out, begin, end, radiance, false);
+}
+
+static void render_pixel(const struct stage *s, struct film_samples *out, uint32_t x_px,
+                         uint32_t y_px, float sums[FILM_CHANNELS], float layers[])
+{
+    const uint32_t channels = layers_channels(out->layers);
+    struct pixel pixel;
     struct octet octet;
+    memset(pixel.sums, 0, sizeof pixel.sums);
+    memset(pixel.layers, 0, channels * sizeof pixel.layers[0]);
+    pixel.terms.count = layers_bounces(out->layers);
     octet_init(&octet, s, x_px, y_px);
     for (uint32_t i = out->pass.s_begin, end; i < out->pass.s_end; i = end) {
-        const uint32_t begin = i % FILM_REPLICATES, first = i - begin;
-        rgb radiance[FILM_REPLICATES];
-        end = first + FILM_REPLICATES;
+        end = i - i % FILM_REPLICATES + FILM_REPLICATES;
         if (end > out->pass.s_end)
             end = out->pass.s_end;
-        octet_go(&octet, first / FILM_REPLICATES);
-        octet_radiance(&octet, begin, end - first, radiance);
-        if (__builtin_expect(filter_is_signed(s), false))
-            add_octet(&octet, out, i, end, radiance, true, exact);
-        else
-            add_octet(&octet, out, i, end, radiance, false, exact);
+        add_octet(&octet, &pixel, out, i, end);
     }
     for (int i = 0; i < FILM_REPLICATES; i++)
-        vec3_store(sums + 3 * i, f64x4_round(exact[i]));
+        vec3_store(sums + 3 * i, f64x4_round(pixel.sums[i]));
+    for (uint32_t i = 0; i < channels; i++)
+        layers[i] = (float)pixel.layers[i];
 }
 
 void render_row(const struct stage *s, struct film_samples *out, uint32_t y_px)
 {
     const struct tile_rect r = out->rect;
     assert(y_px >= r.y_begin && y_px < r.y_end);
-    float *row = out->sums + (size_t)(y_px - r.y_begin) * (r.x_end - r.x_begin) * FILM_CHANNELS;
-    for (uint32_t x = r.x_begin; x < r.x_end; x++, row += FILM_CHANNELS)
-        render_pixel(s, out, x, y_px, row);
+    const size_t channels = layers_channels(out->layers);
+    const size_t before = (size_t)(y_px - r.y_begin) * (r.x_end - r.x_begin);
+    float *sums = out->sums + before * FILM_CHANNELS;
+    float *layers = channels ? out->layer_sums + before * channels : NULL;
+    for (uint32_t x = r.x_begin; x < r.x_end; x++, sums += FILM_CHANNELS) {
+        render_pixel(s, out, x, y_px, sums, layers);
+        if (layers)
+            layers += channels;
+    }
 }
 
 void render_tile(const struct stage *s, struct film_samples *out)
