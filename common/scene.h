@@ -11,9 +11,10 @@
  *   double for sums over a whole image and for statistics.
  *
  * A scene is plain data: arrays and indices, no pointers between its objects. All
- * memory belongs to the arena given to scene_parse. Mesh assets are named, not
- * loaded: mesh_read (mesh.h) fills `struct mesh` in a second step, because the
- * coordinator checks documents and never opens a mesh.
+ * memory belongs to the arena given to scene_parse. Assets are named, not loaded:
+ * mesh_read (mesh.h) and image_asset_read (image_asset.h) fill `struct mesh` and
+ * `struct image_asset` in a second step, because the coordinator checks documents
+ * and never opens an asset.
  *
  * The document format is specified in docs/scene.md.
  * SPDX-License-Identifier: MIT */
@@ -33,7 +34,11 @@ enum {
     SCENE_MAX_PIXELS = 64 * 1024 * 1024,
     SCENE_MAX_SHAPES = 100000,
     SCENE_MAX_MATERIALS = 10000,
-    SCENE_MAX_LIGHTS = 100000,          /* point, distant and sky entries */
+    SCENE_MAX_LIGHTS = 100000,          /* entries that are no shapes */
+    SCENE_MAX_TEXTURES = 4096,
+    SCENE_MAX_IMAGES = 4096,            /* image assets */
+    SCENE_MAX_IMAGE_SIDE_PX = 16384,    /* of one */
+    SCENE_MAX_IMAGE_PIXELS = 64 * 1024 * 1024,
     SCENE_MAX_TRIANGLES = 100000000,    /* of one mesh; prep.h bounds the whole scene */
     SCENE_MAX_NAME = 128,               /* bytes of a name or title */
     SCENE_MAX_BOUNCES = 10000,
@@ -80,7 +85,14 @@ struct scene_camera {
     };
 };
 
-enum material_kind { MATERIAL_DIFFUSE, MATERIAL_MIRROR, MATERIAL_DIELECTRIC, MATERIAL_CONDUCTOR };
+enum material_kind {
+    MATERIAL_DIFFUSE,
+    MATERIAL_MIRROR,
+    MATERIAL_DIELECTRIC,
+    MATERIAL_CONDUCTOR,
+    /* From here on without a name in documents. */
+    MATERIAL_METAL, /* a "conductor" that asks for more than MATERIAL_CONDUCTOR has */
+};
 
 /* What shading with a material asks of the surface beside its place and its normal. */
 enum material_needs {
@@ -108,6 +120,49 @@ struct material {
             rgb eta, k;  /* complex index of refraction per channel, eta > 0, k >= 0 */
             float alpha; /* GGX width, [0, 1]; 0 is a perfect mirror with conductor Fresnel */
         } conductor;
+        struct {
+            rgb eta, k;              /* as a conductor's */
+            float alpha_x, alpha_y;  /* GGX width along the x axis of the local frame and across */
+            float turn_cos, turn_sin; /* of the angle by which these are turned about the normal */
+            bool multiscatter;       /* light that meets several facets is added */
+        } metal;
+    };
+};
+
+enum image_format { IMAGE_FORMAT_PNG, IMAGE_FORMAT_JPEG, IMAGE_FORMAT_EXR };
+enum image_depth { IMAGE_DEPTH_U8, IMAGE_DEPTH_U16, IMAGE_DEPTH_FLOAT };
+
+/* An image that textures or lights name; who names the same one shares it. */
+struct image_asset {
+    enum image_format format;
+    char asset[HASH_HEX]; /* SHA-256 of the bytes; "" when `file` is used */
+    const char *file;     /* NULL when `asset` is used; see struct mesh */
+    const char *where;    /* JSON pointer to the first object that names it */
+    /* Filled by image_asset_read. Whole numbers as they are in the file: u8 / 255, u16 / 65535,
+     * and what colour space that is says who uses them. Float: linear and finite, any sign. */
+    enum image_depth depth;
+    bool half;                    /* IMAGE_DEPTH_FLOAT: every value is one of 16 bits */
+    uint32_t width_px, height_px; /* >= 1 */
+    uint32_t channels;            /* 1 gray, 2 gray and alpha, 3 RGB, 4 RGB and alpha */
+    const void *pixels;           /* uint8_t, uint16_t or float [height][width][channels], rows
+                                   * from the top; alpha is not multiplied in */
+};
+
+enum texture_kind { TEXTURE_IMAGE };
+enum texture_space { TEXTURE_SRGB, TEXTURE_LINEAR }; /* of the whole numbers of an image */
+enum texture_wrap { TEXTURE_REPEAT, TEXTURE_CLAMP, TEXTURE_MIRROR };
+enum texture_filter { TEXTURE_TRILINEAR, TEXTURE_BILINEAR, TEXTURE_NEAREST };
+
+struct texture {
+    const char *name;
+    enum texture_kind kind;
+    union {
+        struct {
+            uint32_t image; /* index into scene.images */
+            enum texture_space space;
+            enum texture_wrap wrap;
+            enum texture_filter filter;
+        } image;
     };
 };
 
@@ -163,7 +218,7 @@ struct shape {
     };
 };
 
-enum light_kind { LIGHT_SKY, LIGHT_POINT, LIGHT_DISTANT };
+enum light_kind { LIGHT_SKY, LIGHT_POINT, LIGHT_DISTANT, LIGHT_SPOT, LIGHT_SUN };
 
 struct light {
     enum light_kind kind;
@@ -179,6 +234,17 @@ struct light {
             float direction[3]; /* unit, the way the light travels */
             rgb irradiance;     /* W/m^2 on a surface that faces it */
         } distant;
+        struct {
+            float position[3], direction[3]; /* direction: unit, the way the light travels */
+            rgb intensity;                   /* W/sr, within inner_rad of the direction */
+            float inner_rad, outer_rad;      /* outer >= inner: there, and beyond, it is 0 */
+        } spot;
+        struct {
+            float direction[3]; /* unit, the way the light travels from the middle of the disc */
+            float radius_rad;   /* of the disc as it is seen, (0, pi/2] */
+            rgb radiance, irradiance; /* one is given, the other 0; irradiance of a surface that
+                                       * faces it */
+        } sun;
     };
 };
 
@@ -207,7 +273,9 @@ struct scene {
     struct shape *shapes;
     struct mesh *meshes;
     struct light *lights;
-    uint32_t material_count, shape_count, mesh_count, light_count;
+    struct texture *textures;
+    struct image_asset *images;
+    uint32_t material_count, shape_count, mesh_count, light_count, texture_count, image_count;
 };
 
 /* What is wrong with a document: all of it at once, in document order. */
@@ -224,8 +292,8 @@ struct scene_errors {
 };
 
 enum scene_source {
-    SCENE_FROM_DISK, /* meshes may name files */
-    SCENE_FROM_NET,  /* meshes name assets only */
+    SCENE_FROM_DISK, /* meshes and images may name files */
+    SCENE_FROM_NET,  /* they name assets only */
 };
 
 /* Text (need not be NUL-terminated) to a checked scene. False: `errors` is not empty
@@ -233,10 +301,15 @@ enum scene_source {
 bool scene_parse(struct scene *scene, const char *json, size_t bytes, enum scene_source source,
                  struct arena *arena, struct scene_errors *errors) MUST_CHECK;
 
-/* The same document with every mesh `file` replaced by its `asset` and `format`, as a coordinator
- * takes it. asset_hex[i] belongs to the i-th shape; only those of shapes with a file are looked at.
- * Returns JSON text in the arena. */
-const char *scene_name_assets(const char *json, size_t bytes,
-                              const char (*asset_hex)[HASH_HEX], struct arena *arena);
+/* The hash of each file that a document names, by what names it: shapes[i] is the i-th shape's.
+ * Only those of objects with a file are looked at, and a list without any may be NULL. */
+struct scene_hashes {
+    const char (*textures)[HASH_HEX], (*shapes)[HASH_HEX], (*lights)[HASH_HEX];
+};
+
+/* The same document with every `file` replaced by its `asset` and `format`, as a coordinator takes
+ * it. Returns JSON text in the arena. */
+const char *scene_name_assets(const char *json, size_t bytes, const struct scene_hashes *,
+                              struct arena *arena);
 
 #endif

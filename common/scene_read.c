@@ -135,8 +135,9 @@ static void read_version(struct scene_doc *doc, const struct scene_at *whole)
 void scene_read(struct scene_doc *doc, const struct scene_at *whole, struct scene *scene)
 {
     static const struct scene_key keys[] = {
-        {"smalti", true},    {"title", false}, {"film", true},    {"camera", true},
-        {"materials", true}, {"shapes", true}, {"lights", false}, {"settings", false}};
+        {"smalti", true}, {"title", false},    {"film", true},
+        {"camera", true}, {"textures", false}, {"materials", true},
+        {"shapes", true}, {"lights", false},   {"settings", false}};
     scene->title = "";
     scene->settings = (struct scene_settings){
         .integrator = INTEGRATOR_PATH, .max_bounces = 64, .target = {.spp = 64}};
@@ -150,6 +151,8 @@ void scene_read(struct scene_doc *doc, const struct scene_at *whole, struct scen
         read_film(doc, &at, &scene->film);
     if (scene_at_member(whole, "camera", &at))
         scene_read_camera(doc, &at, &scene->camera);
+    if (scene_at_member(whole, "textures", &at))
+        scene_read_textures(doc, &at, scene);
     if (scene_at_member(whole, "materials", &at))
         names = scene_read_materials(doc, &at, scene);
     if (scene_at_member(whole, "shapes", &at))

@@ -36,6 +36,7 @@ BEYOND_A_SCHEMA = {
     "mesh-index-high": "index against the count of vertices",
     "mesh-world-huge": "a point and a transform",
     "net-mesh-file": "the schema is also for documents on disk",
+    "net-texture-file": "the schema is also for documents on disk",
     "quad-bow-tie": "geometry of corners",
     "quad-concave": "geometry of corners",
     "quad-in-a-line": "geometry of corners",
@@ -43,11 +44,13 @@ BEYOND_A_SCHEMA = {
     "quad-repeated-corner": "geometry of corners",
     "shape-material-dangling": "a name against names",
     "shape-material-unknown": "a name against names",
+    "light-spot-angles": "one angle against the other",
     "material-unknown-of-many": "a name against names",
     "material-unknown-of-none": "a name against names",
     "sphere-ellipsoid": "geometry of a transform",
     "sphere-world-huge": "product of steps",
     "sphere-world-tiny": "product of steps",
+    "texture-image-exr-srgb": "one key against another",
     "transform-singular-matrix": "geometry of a matrix",
 }
 

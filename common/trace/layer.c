@@ -26,12 +26,13 @@ static double depth(const struct stage_view *view, vec3 p)
     return (double)(none ? vec3_length(way) : vec3_dot(way, along));
 }
 
-void layer_surface(const struct stage *s, uint32_t layers, const struct path_start *start,
+void layer_surface(const struct stage *s, uint32_t layers, const struct path_starts *starts,
                    const struct rng *rng, uint32_t sample, double channels[])
 {
-    const struct path_vertex *v = &start->vertex;
-    if (!(layers & LAYER_SURFACE) || !start->met)
+    const uint32_t replicate = sample % PATH_WAVE;
+    if (!(layers & LAYER_SURFACE) || !(starts->met >> replicate & 1))
         return;
+    const struct path_vertex first = path_first(s, starts, replicate), *v = &first;
     channels[0] += 1;
     if (layers & LAYER_ALBEDO)
         add(channels + layers_at(layers, LAYER_ALBEDO), albedo(v, rng));

@@ -41,6 +41,7 @@ struct prep_plan {
     struct stage_detail *details;
     struct prep_mesh *detail_meshes;
     uint32_t quad_uvs; /* as in struct prep_mesh */
+    struct stage_spot *spots;
 };
 
 /* Allocates the arrays. False: too many primitives. */
@@ -82,5 +83,9 @@ void prep_camera(struct stage_camera *, const struct scene *);
 
 /* The pixel filter's knots, if it has any; its zero and gain. */
 void prep_filter(struct prep_plan *, struct arena *scratch);
+
+/* The document's lights -> emitters behind those of shapes, and the table by which one is picked.
+ * After prep_shapes: a distant light shines on what there is. */
+void prep_lights(struct prep_plan *);
 
 #endif
