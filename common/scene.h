@@ -55,7 +55,15 @@ struct scene_camera {       /* perspective, pinhole */
     float fov_y_rad;        /* full vertical opening angle of the whole frame, (0, pi) */
 };
 
-enum material_kind { MATERIAL_DIFFUSE, MATERIAL_MIRROR, MATERIAL_DIELECTRIC, MATERIAL_CONDUCTOR };
+enum material_kind {
+    MATERIAL_DIFFUSE,
+    MATERIAL_MIRROR,
+    MATERIAL_DIELECTRIC,
+    MATERIAL_CONDUCTOR,
+    MATERIAL_ROUGH_DIFFUSE,
+    MATERIAL_RETROREFLECTOR,
+    MATERIAL_LEAF,
+};
 
 struct material {
     const char *name;
@@ -75,6 +83,17 @@ struct material {
             rgb eta, k;  /* complex index of refraction per channel, eta > 0, k >= 0 */
             float alpha; /* GGX width, [0, 1]; 0 is a perfect mirror with conductor Fresnel */
         } conductor;
+        struct {
+            rgb albedo;      /* [0, 1] */
+            float roughness; /* [0, 1]; 0 is Lambertian */
+        } rough_diffuse;
+        struct {
+            rgb reflectance; /* [0, 1] */
+            float alpha;     /* GGX width, [0, 1]; 0 sends light back exactly */
+        } retro;
+        struct {
+            rgb reflectance, transmittance; /* sum in [0, 1] */
+        } leaf;
     };
 };
 

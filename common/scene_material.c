@@ -42,11 +42,47 @@ static void read_conductor(const struct scene_params *p, struct material *m)
     scene_param_number(p, "alpha", fraction, &m->conductor.alpha);
 }
 
+static void read_rough_diffuse(const struct scene_params *p, struct material *m)
+{
+    static const struct scene_key keys[] = {{"type", true}, {"albedo", true}, {"roughness", true}};
+    scene_params_of(p, "a rough diffuse material", keys, countof(keys));
+    scene_param_rgb(p, "albedo", fraction, &m->rough_diffuse.albedo);
+    scene_param_number(p, "roughness", fraction, &m->rough_diffuse.roughness);
+}
+
+static void read_retroreflector(const struct scene_params *p, struct material *m)
+{
+    static const struct scene_key keys[] = {
+        {"type", true}, {"reflectance", false}, {"alpha", true}};
+    m->retro.reflectance = rgb_gray(1);
+    scene_params_of(p, "a retroreflector", keys, countof(keys));
+    scene_param_rgb(p, "reflectance", fraction, &m->retro.reflectance);
+    scene_param_number(p, "alpha", fraction, &m->retro.alpha);
+}
+
+static void read_leaf(const struct scene_params *p, struct material *m)
+{
+    static const struct scene_key keys[] = {
+        {"type", true}, {"reflectance", true}, {"transmittance", true}};
+    scene_params_of(p, "a leaf", keys, countof(keys));
+    scene_param_rgb(p, "reflectance", fraction, &m->leaf.reflectance);
+    scene_param_rgb(p, "transmittance", fraction, &m->leaf.transmittance);
+    const rgb sum = m->leaf.reflectance + m->leaf.transmittance;
+    if (rgb_max(sum) > 1.000001f) /* .9 + .1 is more than 1 in float */
+        scene_doc_fault(p->doc, p->at, ERR_INPUT,
+                        "expected reflectance + transmittance of at most 1 in every channel, got "
+                        "%g, %g, %g",
+                        (double)sum[0], (double)sum[1], (double)sum[2]);
+}
+
 static const char *const material_names[] = {
     [MATERIAL_DIFFUSE] = "diffuse",
     [MATERIAL_MIRROR] = "mirror",
     [MATERIAL_DIELECTRIC] = "dielectric",
     [MATERIAL_CONDUCTOR] = "conductor",
+    [MATERIAL_ROUGH_DIFFUSE] = "rough_diffuse",
+    [MATERIAL_RETROREFLECTOR] = "retroreflector",
+    [MATERIAL_LEAF] = "leaf",
 };
 
 static void read_material(struct scene_doc *doc, const struct scene_at *at, struct material *m)
@@ -80,6 +116,15 @@ static void read_material(struct scene_doc *doc, const struct scene_at *at, stru
         return;
     case MATERIAL_CONDUCTOR:
         read_conductor(&p, m);
+        return;
+    case MATERIAL_ROUGH_DIFFUSE:
+        read_rough_diffuse(&p, m);
+        return;
+    case MATERIAL_RETROREFLECTOR:
+        read_retroreflector(&p, m);
+        return;
+    case MATERIAL_LEAF:
+        read_leaf(&p, m);
         return;
     }
 }

@@ -42,6 +42,7 @@ BEYOND_A_SCHEMA = {
     "quad-repeated-corner": "geometry of corners",
     "shape-material-dangling": "a name against names",
     "shape-material-unknown": "a name against names",
+    "material-leaf-sum": "sum of two colours",
     "material-unknown-of-many": "a name against names",
     "material-unknown-of-none": "a name against names",
     "sphere-ellipsoid": "geometry of a transform",

@@ -138,6 +138,10 @@ static bool scatter(const struct material *m, bool front, struct dir wo, struct 
         return either_dielectric(m, front, wo, dice, wi, weight);
     case MATERIAL_CONDUCTOR:
         return conductor(m, wo, dice, wi, weight);
+    case MATERIAL_ROUGH_DIFFUSE:
+    case MATERIAL_RETROREFLECTOR:
+    case MATERIAL_LEAF:
+        break; /* scenes with them are beyond it */
     }
     __builtin_unreachable();
 }

@@ -57,15 +57,56 @@ static double worst_of_turns(uint32_t step)
     return worst * 0x1p24;
 }
 
+static double worst_of_acos(uint32_t step)
+{
+    double worst = 0;
+    for (uint32_t i = 0; i <= 1u << 24; i += step) {
+        const float x = (float)i * 0x1p-24f;
+        worst = fmax(worst, ulps(fmath_acos(x), acos((double)x)));
+    }
+    return worst;
+}
+
+static double worst_of_powers(int n)
+{
+    struct dice dice = dice_make(2);
+    double worst = 0;
+    for (int i = 0; i < n; i++) {
+        const double x = exp(dice_range(&dice, -20, 20)), y = exp(dice_range(&dice, -7, 7));
+        const float base = (float)x, power = (float)y;
+        const double want = pow((double)base, (double)power);
+        if (want < 0x1p-126 || want > 0x1p+127)
+            continue;
+        worst = fmax(worst, ulps(fmath_pow(base, power), want));
+        worst = fmax(worst, fabs(fmath_log2(x) - log2(x)) * 1e11);
+    }
+    return worst;
+}
+
+static uint32_t bits_of(float x)
+{
+    uint32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+
 static uint32_t digest(void)
 {
     uint32_t h = 1;
     for (uint32_t i = 0; i < 100000; i++) {
         float out[2];
-        uint32_t bits[2];
         fmath_sincos((float)i * 0.1f - 5000, &out[0], &out[1]);
-        memcpy(bits, out, sizeof bits);
-        h = (h * 31 + bits[0]) * 31 + bits[1];
+        h = (h * 31 + bits_of(out[0])) * 31 + bits_of(out[1]);
+    }
+    return h;
+}
+
+static uint32_t power_digest(void)
+{
+    uint32_t h = 1;
+    for (uint32_t i = 1; i <= 100000; i++) {
+        const float x = (float)i * 1e-5f;
+        h = (h * 31 + bits_of(fmath_acos(x))) * 31 + bits_of(fmath_pow(x, 1e-3f * (float)i));
     }
     return h;
 }
@@ -84,5 +125,12 @@ int main(void)
     fmath_sincos(0, &s, &c);
     ok(s == 0 && c == 1, "no turn is exact");
     ok(digest() == 0x2d83ad85, "100000 values have the bits of every other build");
+    ok(worst_of_acos(STAT_SLOW == 1 ? 1 : 97) < 3, "arc cosine on [0, 1] within 3 ulp");
+    ok(worst_of_powers(n) < 1, "powers within an ulp, logarithms to 1e-11");
+    ok(fmath_acos(1) == 0 && fmath_pow(1, 1e3f) == 1 && fmath_pow(0, 1) == 0 &&
+           fmath_pow(0x1p-20f, 10) == 0 && fmath_exp2(-3) == 0.125 && fmath_log2(0.25) == -2,
+       "what is exact is exact");
+    ok(power_digest() == 0xca325b86, "100000 of these, too, have the bits of every other build (%08x)",
+       (unsigned)power_digest());
     return tap_done();
 }
