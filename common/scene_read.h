@@ -7,17 +7,7 @@
 #define COMMON_SCENE_READ_H
 
 #include "common/scene_doc.h"
-
-struct scene_name { /* of a material */
-    const char *name;
-    uint32_t index;
-};
-
-struct scene_names {
-    struct scene_name *sorted; /* by name, in the document's arena */
-    uint32_t count;
-    bool known; /* false: the document's materials are no object, so nobody can say what dangles */
-};
+#include "common/scene_names.h"
 
 void scene_read(struct scene_doc *, const struct scene_at *whole, struct scene *);
 
