@@ -63,6 +63,9 @@ enum material_kind {
     MATERIAL_ROUGH_DIFFUSE,
     MATERIAL_RETROREFLECTOR,
     MATERIAL_LEAF,
+    MATERIAL_MIX,
+    MATERIAL_MASK,
+    MATERIAL_TWO_SIDED,
 };
 
 struct material {
@@ -94,6 +97,17 @@ struct material {
         struct {
             rgb reflectance, transmittance; /* sum in [0, 1] */
         } leaf;
+        struct {
+            uint32_t first, second; /* indices into scene.materials */
+            float amount;           /* of the second, [0, 1] */
+        } mix;
+        struct {
+            uint32_t of;   /* the material where there is one */
+            float opacity; /* [0, 1]; 0: nothing is there, rays go straight on */
+        } mask;
+        struct {
+            uint32_t front, back; /* both opaque */
+        } two_sided;
     };
 };
 

@@ -1,7 +1,9 @@
 /* Materials.
  * SPDX-License-Identifier: MIT */
+#include "common/scene_layer.h"
 #include "common/scene_param.h"
 #include "common/scene_read.h"
+#include "common/scene_wrap.h"
 
 static const struct scene_range fraction = {0, 1, false};
 
@@ -39,39 +41,6 @@ static void read_conductor(const struct scene_params *p, struct material *m)
     scene_param_number(p, "alpha", fraction, &m->conductor.alpha);
 }
 
-static void read_rough_diffuse(const struct scene_params *p, struct material *m)
-{
-    static const struct scene_key keys[] = {{"type", true}, {"albedo", true}, {"roughness", true}};
-    scene_params_of(p, "a rough diffuse material", keys, countof(keys));
-    scene_param_rgb(p, "albedo", fraction, &m->rough_diffuse.albedo);
-    scene_param_number(p, "roughness", fraction, &m->rough_diffuse.roughness);
-}
-
-static void read_retroreflector(const struct scene_params *p, struct material *m)
-{
-    static const struct scene_key keys[] = {
-        {"type", true}, {"reflectance", false}, {"alpha", true}};
-    m->retro.reflectance = rgb_gray(1);
-    scene_params_of(p, "a retroreflector", keys, countof(keys));
-    scene_param_rgb(p, "reflectance", fraction, &m->retro.reflectance);
-    scene_param_number(p, "alpha", fraction, &m->retro.alpha);
-}
-
-static void read_leaf(const struct scene_params *p, struct material *m)
-{
-    static const struct scene_key keys[] = {
-        {"type", true}, {"reflectance", true}, {"transmittance", true}};
-    scene_params_of(p, "a leaf", keys, countof(keys));
-    scene_param_rgb(p, "reflectance", fraction, &m->leaf.reflectance);
-    scene_param_rgb(p, "transmittance", fraction, &m->leaf.transmittance);
-    const rgb sum = m->leaf.reflectance + m->leaf.transmittance;
-    if (rgb_max(sum) > 1.000001f) /* .9 + .1 is more than 1 in float */
-        scene_doc_fault(p->doc, p->at, ERR_INPUT,
-                        "expected reflectance + transmittance of at most 1 in every channel, got "
-                        "%g, %g, %g",
-                        (double)sum[0], (double)sum[1], (double)sum[2]);
-}
-
 static const char *const material_names[] = {
     [MATERIAL_DIFFUSE] = "diffuse",
     [MATERIAL_MIRROR] = "mirror",
@@ -80,6 +49,9 @@ static const char *const material_names[] = {
     [MATERIAL_ROUGH_DIFFUSE] = "rough_diffuse",
     [MATERIAL_RETROREFLECTOR] = "retroreflector",
     [MATERIAL_LEAF] = "leaf",
+    [MATERIAL_MIX] = "mix",
+    [MATERIAL_MASK] = "mask",
+    [MATERIAL_TWO_SIDED] = "two_sided",
 };
 
 static void read_material(struct scene_doc *doc, const struct scene_at *at, struct material *m)
@@ -103,13 +75,22 @@ static void read_material(struct scene_doc *doc, const struct scene_at *at, stru
         read_conductor(&p, m);
         return;
     case MATERIAL_ROUGH_DIFFUSE:
-        read_rough_diffuse(&p, m);
+        scene_layer_rough_diffuse(&p, m);
         return;
     case MATERIAL_RETROREFLECTOR:
-        read_retroreflector(&p, m);
+        scene_layer_retroreflector(&p, m);
         return;
     case MATERIAL_LEAF:
-        read_leaf(&p, m);
+        scene_layer_leaf(&p, m);
+        return;
+    case MATERIAL_MIX:
+        scene_wrap_mix(&p, m);
+        return;
+    case MATERIAL_MASK:
+        scene_wrap_mask(&p, m);
+        return;
+    case MATERIAL_TWO_SIDED:
+        scene_wrap_two_sided(&p, m);
         return;
     }
 }
@@ -128,5 +109,6 @@ struct scene_names scene_read_materials(struct scene_doc *doc, const struct scen
         read_material(doc, &member, &scene->materials[i]);
     }
     scene_names_close(&names);
+    scene_wrap_bind(doc, at, &names, scene);
     return names;
 }

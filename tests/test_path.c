@@ -98,7 +98,7 @@ static double luminance_along(const struct stage *stage, struct ray ray, const s
 {
     struct path_start start;
     rgb radiance;
-    path_begin(stage, &ray, 1, &start);
+    path_begin(stage, &ray, rng, 1, &start);
     path_radiance(stage, &start, rng, 1, roulette_begin, &radiance);
     return (double)rgb_luminance(radiance);
 }

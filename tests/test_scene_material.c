@@ -49,9 +49,36 @@ static void diffuse(void)
        "a leaf; parts that add up to 1 are not too much");
 }
 
+static void made_of_others(void)
+{
+    ok(parse("\"m\": {\"type\": \"mix\", \"first\": \"t\", \"second\": \"k\", \"amount\": 0.25}, "
+             "\"k\": {\"type\": \"mask\", \"material\": \"a\", \"opacity\": 0.5}, "
+             "\"t\": {\"type\": \"two_sided\", \"front\": \"a\", \"back\": \"b\"}, "
+             "\"a\": {\"type\": \"mirror\"}, \"b\": {\"type\": \"diffuse\", \"albedo\": 1}"),
+       "mix, mask, two sided; before what they are made of");
+    const struct material *m = scene.materials;
+    ok(m[0].kind == MATERIAL_MIX && m[0].mix.first == 2 && m[0].mix.second == 1 &&
+           m[0].mix.amount == .25f,
+       "a mix finds both by name");
+    ok(m[1].kind == MATERIAL_MASK && m[1].mask.of == 3 && m[1].mask.opacity == .5f, "a mask");
+    ok(m[2].kind == MATERIAL_TWO_SIDED && m[2].two_sided.front == 3 && m[2].two_sided.back == 4,
+       "two sides");
+    ok(parse("\"0\": {\"type\": \"mirror\"}, "
+             "\"1\": {\"type\": \"mask\", \"material\": \"0\", \"opacity\": 1}, "
+             "\"2\": {\"type\": \"mask\", \"material\": \"1\", \"opacity\": 1}, "
+             "\"3\": {\"type\": \"mask\", \"material\": \"2\", \"opacity\": 1}, "
+             "\"4\": {\"type\": \"mask\", \"material\": \"3\", \"opacity\": 1}, "
+             "\"5\": {\"type\": \"mask\", \"material\": \"4\", \"opacity\": 1}, "
+             "\"6\": {\"type\": \"mask\", \"material\": \"5\", \"opacity\": 1}, "
+             "\"7\": {\"type\": \"mask\", \"material\": \"6\", \"opacity\": 1}, "
+             "\"8\": {\"type\": \"mask\", \"material\": \"7\", \"opacity\": 1}"),
+       "eight deep");
+}
+
 int main(void)
 {
     diffuse();
+    made_of_others();
     arena_release(&arena);
     return tap_done();
 }

@@ -87,6 +87,9 @@ rgb bsdf_eval(const struct material *m, vec3 wo, vec3 wi)
     case MATERIAL_DIELECTRIC:
     case MATERIAL_LEAF:
     case MATERIAL_DIFFUSE:
+    case MATERIAL_MIX:
+    case MATERIAL_MASK:
+    case MATERIAL_TWO_SIDED:
         break;
     }
     return black;
@@ -119,6 +122,9 @@ float bsdf_pdf_w(const struct material *m, vec3 wo, vec3 wi)
     case MATERIAL_DIELECTRIC:
     case MATERIAL_LEAF:
     case MATERIAL_DIFFUSE:
+    case MATERIAL_MIX:
+    case MATERIAL_MASK:
+    case MATERIAL_TWO_SIDED:
         break;
     }
     return 0;
@@ -140,6 +146,9 @@ static bool opaque_sample(const struct material *m, vec3 wo, float lobe, struct 
     case MATERIAL_DIELECTRIC:
     case MATERIAL_LEAF:
     case MATERIAL_DIFFUSE:
+    case MATERIAL_MIX:
+    case MATERIAL_MASK:
+    case MATERIAL_TWO_SIDED:
         break;
     }
     return false;

@@ -48,6 +48,10 @@ static inline bool bsdf_is_delta(const struct material *m)
     case MATERIAL_ROUGH_DIFFUSE:
     case MATERIAL_LEAF:
         return false;
+    case MATERIAL_MIX: /* looked through before (material.h) */
+    case MATERIAL_MASK:
+    case MATERIAL_TWO_SIDED:
+        break;
     }
     __builtin_unreachable();
 }

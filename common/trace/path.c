@@ -1,9 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "common/trace/path.h"
 
+#include <string.h>
+
 #include "common/trace/bsdf.h"
 #include "common/trace/bvh.h"
 #include "common/trace/light.h"
+#include "common/trace/material.h"
+#include "common/trace/path_mask.h"
 #include "common/trace/warp.h"
 
 /* The power heuristic with exponent 2 for the technique of density a beside one of density b. As a
@@ -49,11 +53,28 @@ static rgb emission(const struct stage *s, const struct path_vertex *v)
     return vec3_load(((const struct emitter *)stage_at(s, s->emitters))[v->at.emitter].radiance);
 }
 
-void path_begin(const struct stage *s, const struct ray rays[], uint32_t count,
-                struct path_start starts[])
+/* Siblings share the ray, so they share its numbers. */
+static uint32_t pass_masks(const struct stage *s, const struct rng rngs[], uint32_t count,
+                           uint32_t found, struct ray rays[], struct ray_hit hits[])
 {
+    struct rng elders[PATH_WAVE];
+    for (uint32_t i = 0; i < count; i++)
+        elders[i] = rng_elder(&rngs[i]);
+    const struct path_mask_rays r = {rays, hits, elders, NULL, 0, count};
+    return path_mask_pass(s, &r, found);
+}
+
+void path_begin(const struct stage *s, const struct ray rays[], const struct rng rngs[],
+                uint32_t count, struct path_start starts[])
+{
+    struct ray passed[PATH_WAVE];
     struct ray_hit hits[PATH_WAVE];
-    const uint32_t found = bvh_hit_closest_8(s, rays, count, hits);
+    uint32_t found = bvh_hit_closest_8(s, rays, count, hits);
+    if (s->masked) {
+        memcpy(passed, rays, count * sizeof *rays);
+        found = pass_masks(s, rngs, count, found, passed, hits);
+        rays = passed;
+    }
     for (uint32_t i = 0; i < count; i++) {
         struct path_start *start = &starts[i];
         start->ends = !(found >> i & 1);
@@ -80,7 +101,8 @@ struct path {
 
 struct wave {
     const struct stage *stage;
-    struct rng8 rng;
+    const struct rng *rngs; /* by path */
+    struct rng8 rng;        /* the same, of all */
     uint32_t bounce, roulette_begin;
     struct path paths[PATH_WAVE];
 
@@ -190,10 +212,31 @@ static void draw(struct wave *w)
         w->roulette = rng8_single(&w->rng, rng_dimension(w->bounce, RNG_ROULETTE));
 }
 
+/* The vertices' materials, where some are made of others. */
+static void choose_materials(struct wave *w)
+{
+    const f32x8 number = rng8_single(&w->rng, rng_dimension_choice(w->bounce));
+    for (uint32_t i = 0; i < w->going; i++) {
+        struct path_vertex *v = &w->paths[w->path_of[i]].vertex;
+        v->material = material_at(w->stage, v->at.material, v->wo[2] < 0, number[w->path_of[i]]);
+    }
+}
+
+/* What comes along the shadow rays that meet something. */
+static void light_through_masks(struct wave *w, uint32_t dark)
+{
+    for (uint32_t i = 0; i < w->shadow_count; i++)
+        if (dark >> i & 1)
+            w->paths[w->shadow_path[i]].light +=
+                w->light[i] * path_mask_share(w->stage, w->shadows[i]);
+}
+
 /* All paths from their vertices to the next ones. */
 static void wave_step(struct wave *w)
 {
     uint32_t going = 0;
+    if (w->stage->wrapped)
+        choose_materials(w);
     draw(w);
     w->shadow_count = 0;
     for (uint32_t i = 0; i < w->going; i++) {
@@ -207,8 +250,14 @@ static void wave_step(struct wave *w)
         if (!(dark >> i & 1))
             w->paths[w->shadow_path[i]].light += w->light[i];
 
+    if (w->stage->masked)
+        light_through_masks(w, dark);
     struct ray_hit hits[PATH_WAVE];
-    const uint32_t found = bvh_hit_closest_8(w->stage, w->rays, going, hits);
+    uint32_t found = bvh_hit_closest_8(w->stage, w->rays, going, hits);
+    if (w->stage->masked) {
+        const struct path_mask_rays r = {w->rays, hits, w->rngs, w->path_of, w->bounce + 1, going};
+        found = path_mask_pass(w->stage, &r, found);
+    }
     w->going = 0;
     for (uint32_t i = 0; i < going; i++) {
         const uint32_t path = w->path_of[i];
@@ -223,6 +272,7 @@ void path_radiance(const struct stage *s, const struct path_start starts[], cons
 {
     struct wave w;
     w.stage = s;
+    w.rngs = rngs;
     w.bounce = w.going = 0;
     w.roulette_begin = roulette_begin;
     w.lobe = (f32x8){0};

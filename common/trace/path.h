@@ -34,9 +34,9 @@ struct path_start {            /* a camera ray: what a path and its sibling (rng
     struct path_vertex vertex; /* where it is scattered, unless it ends */
 };
 
-/* The rays' directions: unit. */
-void path_begin(const struct stage *, const struct ray rays[], uint32_t count,
-                struct path_start starts[]);
+/* The rays' directions: unit. rngs: of the paths that start there, of one of two siblings. */
+void path_begin(const struct stage *, const struct ray rays[], const struct rng rngs[],
+                uint32_t count, struct path_start starts[]);
 
 /* radiance[i]: one unbiased estimate of what arrives along starts[i], with the numbers of rngs[i],
  * cut at settings.max_bounces scattering events. roulette_begin: the first bounce after which a

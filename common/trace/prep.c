@@ -91,6 +91,20 @@ static void aim_camera(struct prep_plan *p)
     vec3_store(c->dy, xform_vector(m, vec3_make(0, -pixel, 0)));
 }
 
+/* --- materials --- */
+
+/* What only some materials need, and costs every path of a scene that has them. */
+static void survey_materials(struct prep_plan *p)
+{
+    for (uint32_t i = 0; i < p->scene->material_count; i++) {
+        const enum material_kind kind = p->scene->materials[i].kind;
+        if (kind == MATERIAL_MIX || kind == MATERIAL_MASK || kind == MATERIAL_TWO_SIDED)
+            p->head.wrapped = 1;
+        if (kind == MATERIAL_MASK)
+            p->head.masked = 1;
+    }
+}
+
 /* --- the block --- */
 
 struct piece {
@@ -227,6 +241,7 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
     add_lights(&p);
     pick_emitters(&p);
     aim_camera(&p);
+    survey_materials(&p);
     const bool fits = check_lines(&p, err);
     if (fits) {
         unsigned char *block = lay_out(&p, arena);

@@ -58,7 +58,7 @@ static void octet_begin(struct octet *o, uint32_t begin, uint32_t end)
         return;
     for (uint32_t i = begin; i < end; i++)
         rays[i - begin] = camera_rays_at(&o->stage->camera, &o->rays, i);
-    path_begin(o->stage, rays, end - begin, &o->starts[begin]);
+    path_begin(o->stage, rays, &o->rng.replicate[begin], end - begin, &o->starts[begin]);
     o->begun |= wanted;
 }
 

@@ -36,6 +36,9 @@ static float lobe_width(const struct material *m)
     case MATERIAL_MIRROR:
     case MATERIAL_ROUGH_DIFFUSE:
     case MATERIAL_LEAF:
+    case MATERIAL_MIX:
+    case MATERIAL_MASK:
+    case MATERIAL_TWO_SIDED:
         break;
     }
     return 1;

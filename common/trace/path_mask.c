@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: MIT */
+#include "common/trace/path_mask.h"
+
+#include "common/trace/bvh.h"
+#include "common/trace/material.h"
+#include "common/trace/surface.h"
+
+/* The rest of a ray behind a surface that it has met. A segment ends where it did. */
+static struct ray beyond(const struct ray *ray, const struct surface *at)
+{
+    struct ray rest = surface_leave(at, ray->dir);
+    rest.to = ray->to;
+    if (ray->t_max <= 1) {
+        rest.dir = ray->origin + ray->dir - rest.origin;
+        rest.t_max = ray->t_max;
+    }
+    return rest;
+}
+
+static float opacity(const struct stage *s, const struct ray *ray, const struct surface *at)
+{
+    return material_opacity(s, at->material, vec3_dot(ray->dir, at->ng) > 0);
+}
+
+static bool is_stopped(const struct stage *s, const struct rng *rng, uint32_t bounce,
+                       struct ray *ray, struct ray_hit *hit)
+{
+    for (uint32_t crossing = 0;; crossing++) {
+        const struct surface at = surface_at(s, ray, hit);
+        const float stops = opacity(s, ray, &at);
+        if (stops >= 1 || rng_single(rng, rng_dimension_mask(bounce, crossing)) < stops)
+            return true;
+        *ray = beyond(ray, &at);
+        if (!bvh_hit_closest(s, ray, hit))
+            return false;
+    }
+}
+
+uint32_t path_mask_pass(const struct stage *s, const struct path_mask_rays *r, uint32_t found)
+{
+    uint32_t stopped = 0;
+    for (uint32_t i = 0; i < r->count; i++) {
+        const struct rng *rng = &r->rngs[r->of ? r->of[i] : i];
+        if (found >> i & 1 && is_stopped(s, rng, r->bounce, &r->rays[i], &r->hits[i]))
+            stopped |= 1u << i;
+    }
+    return stopped;
+}
+
+float path_mask_share(const struct stage *s, struct ray shadow)
+{
+    float share = 1;
+    struct ray_hit hit;
+    while (bvh_hit_closest(s, &shadow, &hit)) {
+        const struct surface at = surface_at(s, &shadow, &hit);
+        share *= 1 - opacity(s, &shadow, &at);
+        if (!(share > 0))
+            return 0;
+        shadow = beyond(&shadow, &at);
+    }
+    return share;
+}
