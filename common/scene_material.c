@@ -1,6 +1,6 @@
 /* Materials.
  * SPDX-License-Identifier: MIT */
-#include "common/scene_layer.h"
+#include "common/scene_coat.h"
 #include "common/scene_param.h"
 #include "common/scene_read.h"
 #include "common/scene_wrap.h"
@@ -75,13 +75,13 @@ static void read_material(struct scene_doc *doc, const struct scene_at *at, stru
         read_conductor(&p, m);
         return;
     case MATERIAL_ROUGH_DIFFUSE:
-        scene_layer_rough_diffuse(&p, m);
+        scene_coat_rough_diffuse(&p, m);
         return;
     case MATERIAL_RETROREFLECTOR:
-        scene_layer_retroreflector(&p, m);
+        scene_coat_retroreflector(&p, m);
         return;
     case MATERIAL_LEAF:
-        scene_layer_leaf(&p, m);
+        scene_coat_leaf(&p, m);
         return;
     case MATERIAL_MIX:
         scene_wrap_mix(&p, m);

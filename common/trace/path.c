@@ -77,7 +77,8 @@ void path_begin(const struct stage *s, const struct ray rays[], const struct rng
     }
     for (uint32_t i = 0; i < count; i++) {
         struct path_start *start = &starts[i];
-        start->ends = !(found >> i & 1);
+        start->met = found >> i & 1;
+        start->ends = !start->met;
         if (start->ends) {
             start->light = s->sky;
             continue;
@@ -267,8 +268,16 @@ static void wave_step(struct wave *w)
     w->bounce++;
 }
 
+/* What has been found up to here. */
+static void note_terms(const struct wave *w, struct path_terms *terms, uint32_t count)
+{
+    for (uint32_t i = 0; w->bounce < terms->count && i < count; i++)
+        terms->light[w->bounce][i] = w->paths[i].light;
+}
+
 void path_radiance(const struct stage *s, const struct path_start starts[], const struct rng rngs[],
-                   uint32_t count, uint32_t roulette_begin, rgb radiance[])
+                   uint32_t count, uint32_t roulette_begin, struct path_terms *terms,
+                   rgb radiance[])
 {
     struct wave w;
     w.stage = s;
@@ -286,8 +295,15 @@ void path_radiance(const struct stage *s, const struct path_start starts[], cons
         p->vertex = starts[i].vertex;
         w.path_of[w.going++] = i;
     }
-    while (w.going)
+    for (;;) {
+        if (terms)
+            note_terms(&w, terms, count);
+        if (!w.going)
+            break;
         wave_step(&w);
+    }
     for (uint32_t i = 0; i < count; i++)
         radiance[i] = w.paths[i].light;
+    for (uint32_t k = w.bounce + 1; terms && k < terms->count; k++)
+        memcpy(terms->light[k], radiance, count * sizeof radiance[0]);
 }

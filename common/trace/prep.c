@@ -4,7 +4,6 @@
 #include <assert.h>
 #include <string.h>
 
-#include "common/trace/fmath.h"
 #include "common/trace/prep_plan.h"
 
 #define PI 3.14159265358979323846
@@ -73,22 +72,12 @@ static void pick_emitters(struct prep_plan *p)
     }
 }
 
-/* --- camera --- */
-
-static void aim_camera(struct prep_plan *p)
+/* A panorama looks everywhere: its depth is the distance. */
+static void set_view(struct stage_view *view, const struct scene_camera *c)
 {
-    const struct scene_film *film = &p->scene->film;
-    const struct xform *m = &p->scene->camera.to_world;
-    float sine, cosine;
-    fmath_sincos(p->scene->camera.fov_y_rad / 2, &sine, &cosine);
-    const float half_y = sine / cosine; /* of the image plane one metre ahead */
-    const float pixel = 2 * half_y / (float)film->height_px;
-    const float half_x = pixel * (float)film->width_px / 2;
-    struct stage_camera *c = &p->head.camera;
-    vec3_store(c->origin, xform_point(m, vec3_make(0, 0, 0)));
-    vec3_store(c->corner, xform_vector(m, vec3_make(-half_x, half_y, -1)));
-    vec3_store(c->dx, xform_vector(m, vec3_make(pixel, 0, 0)));
-    vec3_store(c->dy, xform_vector(m, vec3_make(0, -pixel, 0)));
+    vec3_store(view->position, xform_point(&c->to_world, vec3_make(0, 0, 0)));
+    if (c->kind != CAMERA_PANORAMIC)
+        vec3_store(view->direction, vec3_unit(xform_vector(&c->to_world, vec3_make(0, 0, -1))));
 }
 
 /* --- materials --- */
@@ -144,6 +133,11 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->materials, p->scene->materials, sizeof *p->scene->materials},
         {&head->emitters, p->emitters, sizeof *p->emitters},
         {&head->pick_cdf, p->pick_cdf, sizeof *p->pick_cdf},
+        {&head->details, p->details, sizeof *p->details},
+        {&head->corners, NULL, sizeof(struct stage_corners)},
+        {&head->normals, NULL, sizeof(struct stage_normal)},
+        {&head->uvs, NULL, sizeof(struct stage_uv)},
+        {&head->colors, NULL, sizeof(struct stage_color)},
     };
     uint64_t bytes = (sizeof *head + STAGE_ALIGN - 1) / STAGE_ALIGN * STAGE_ALIGN;
     for (size_t i = 0; i < countof(pieces); i++) {
@@ -240,12 +234,14 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
     prep_shapes(&p, crew);
     add_lights(&p);
     pick_emitters(&p);
-    aim_camera(&p);
     survey_materials(&p);
-    const bool fits = check_lines(&p, err);
+    prep_camera(&p.head.camera, scene);
+    set_view(&p.head.view, &scene->camera);
+    const bool fits = prep_detail_plan(&p, scratch, err) && check_lines(&p, err);
     if (fits) {
         unsigned char *block = lay_out(&p, arena);
         write_trees(&p, block, crew);
+        prep_detail_write(&p, block);
         place_emitters(&p, (struct emitter *)(void *)(block + p.head.emitters.offset), scratch);
         *stage = (const struct stage *)(const void *)block;
     }

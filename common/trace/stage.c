@@ -29,6 +29,11 @@ static const struct row rows[] = {
     ROW(materials, struct material),
     ROW(emitters, struct emitter),
     ROW(pick_cdf, float),
+    ROW(details, struct stage_detail),
+    ROW(corners, struct stage_corners),
+    ROW(normals, struct stage_normal),
+    ROW(uvs, struct stage_uv),
+    ROW(colors, struct stage_color),
 };
 
 _Static_assert((sizeof(struct stage) - offsetof(struct stage, shapes)) /

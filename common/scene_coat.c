@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-#include "common/scene_layer.h"
+#include "common/scene_coat.h"
 
 static const struct scene_range fraction = {0, 1, false};
 
-void scene_layer_rough_diffuse(const struct scene_params *p, struct material *m)
+void scene_coat_rough_diffuse(const struct scene_params *p, struct material *m)
 {
     static const struct scene_key keys[] = {{"type", true}, {"albedo", true}, {"roughness", true}};
     scene_params_of(p, "a rough diffuse material", keys, countof(keys));
@@ -11,7 +11,7 @@ void scene_layer_rough_diffuse(const struct scene_params *p, struct material *m)
     scene_param_number(p, "roughness", fraction, &m->rough_diffuse.roughness);
 }
 
-void scene_layer_retroreflector(const struct scene_params *p, struct material *m)
+void scene_coat_retroreflector(const struct scene_params *p, struct material *m)
 {
     static const struct scene_key keys[] = {
         {"type", true}, {"reflectance", false}, {"alpha", true}};
@@ -21,7 +21,7 @@ void scene_layer_retroreflector(const struct scene_params *p, struct material *m
     scene_param_number(p, "alpha", fraction, &m->retro.alpha);
 }
 
-void scene_layer_leaf(const struct scene_params *p, struct material *m)
+void scene_coat_leaf(const struct scene_params *p, struct material *m)
 {
     static const struct scene_key keys[] = {
         {"type", true}, {"reflectance", true}, {"transmittance", true}};
