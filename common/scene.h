@@ -34,7 +34,7 @@ enum {
     SCENE_MAX_PIXELS = 64 * 1024 * 1024,
     SCENE_MAX_SHAPES = 100000,
     SCENE_MAX_MATERIALS = 10000,
-    SCENE_MAX_LIGHTS = 100000,          /* point, distant and sky entries */
+    SCENE_MAX_LIGHTS = 100000,          /* entries that are no shapes */
     SCENE_MAX_TEXTURES = 4096,
     SCENE_MAX_IMAGES = 4096,            /* image assets */
     SCENE_MAX_IMAGE_SIDE_PX = 16384,    /* of one */
@@ -88,6 +88,8 @@ enum material_kind {
     MATERIAL_MIX,
     MATERIAL_MASK,
     MATERIAL_TWO_SIDED,
+    /* From here on without a name in documents. */
+    MATERIAL_METAL, /* a "conductor" that asks for more than MATERIAL_CONDUCTOR has */
 };
 
 /* What shading with a material asks of the surface beside its place and its normal. */
@@ -138,6 +140,12 @@ struct material {
         struct {
             uint32_t front, back; /* both opaque */
         } two_sided;
+        struct {
+            rgb eta, k;              /* as a conductor's */
+            float alpha_x, alpha_y;  /* GGX width along the x axis of the local frame and across */
+            float turn_cos, turn_sin; /* of the angle by which these are turned about the normal */
+            bool multiscatter;       /* light that meets several facets is added */
+        } metal;
     };
 };
 
@@ -230,7 +238,7 @@ struct shape {
     };
 };
 
-enum light_kind { LIGHT_SKY, LIGHT_POINT, LIGHT_DISTANT };
+enum light_kind { LIGHT_SKY, LIGHT_POINT, LIGHT_DISTANT, LIGHT_SPOT, LIGHT_SUN };
 
 struct light {
     enum light_kind kind;
@@ -246,6 +254,17 @@ struct light {
             float direction[3]; /* unit, the way the light travels */
             rgb irradiance;     /* W/m^2 on a surface that faces it */
         } distant;
+        struct {
+            float position[3], direction[3]; /* direction: unit, the way the light travels */
+            rgb intensity;                   /* W/sr, within inner_rad of the direction */
+            float inner_rad, outer_rad;      /* outer >= inner: there, and beyond, it is 0 */
+        } spot;
+        struct {
+            float direction[3]; /* unit, the way the light travels from the middle of the disc */
+            float radius_rad;   /* of the disc as it is seen, (0, pi/2] */
+            rgb radiance, irradiance; /* one is given, the other 0; irradiance of a surface that
+                                       * faces it */
+        } sun;
     };
 };
 

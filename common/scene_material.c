@@ -4,6 +4,7 @@
 #include "common/scene_param.h"
 #include "common/scene_read.h"
 #include "common/scene_wrap.h"
+#include "common/scene_specular.h"
 
 static const struct scene_range fraction = {0, 1, false};
 
@@ -31,16 +32,6 @@ static void read_dielectric(const struct scene_params *p, struct material *m)
     scene_param_number(p, "alpha", fraction, &m->dielectric.alpha);
 }
 
-static void read_conductor(const struct scene_params *p, struct material *m)
-{
-    static const struct scene_key keys[] = {
-        {"type", true}, {"eta", true}, {"k", true}, {"alpha", true}};
-    scene_params_of(p, "a conductor material", keys, countof(keys));
-    scene_param_rgb(p, "eta", (struct scene_range){1e-3, 100, false}, &m->conductor.eta);
-    scene_param_rgb(p, "k", (struct scene_range){0, 100, false}, &m->conductor.k);
-    scene_param_number(p, "alpha", fraction, &m->conductor.alpha);
-}
-
 static const char *const material_names[] = {
     [MATERIAL_DIFFUSE] = "diffuse",
     [MATERIAL_MIRROR] = "mirror",
@@ -53,6 +44,7 @@ static const char *const material_names[] = {
     [MATERIAL_MASK] = "mask",
     [MATERIAL_TWO_SIDED] = "two_sided",
 };
+_Static_assert(countof(material_names) == MATERIAL_METAL, "kinds that have no name come last");
 
 static void read_material(struct scene_doc *doc, const struct scene_at *at, struct material *m)
 {
@@ -72,7 +64,7 @@ static void read_material(struct scene_doc *doc, const struct scene_at *at, stru
         read_dielectric(&p, m);
         return;
     case MATERIAL_CONDUCTOR:
-        read_conductor(&p, m);
+        scene_specular_conductor(&p, m);
         return;
     case MATERIAL_ROUGH_DIFFUSE:
         scene_coat_rough_diffuse(&p, m);
@@ -92,6 +84,8 @@ static void read_material(struct scene_doc *doc, const struct scene_at *at, stru
     case MATERIAL_TWO_SIDED:
         scene_wrap_two_sided(&p, m);
         return;
+    case MATERIAL_METAL:
+        break;
     }
 }
 

@@ -54,6 +54,7 @@ static int parts_of(struct material *m, struct part parts[2])
     case MATERIAL_ROUGH_DIFFUSE:
     case MATERIAL_RETROREFLECTOR:
     case MATERIAL_LEAF:
+    case MATERIAL_METAL:
         break;
     }
     return 0;
@@ -113,6 +114,18 @@ static bool is_shallow(const struct scene *scene, uint32_t material, int depth)
     return true;
 }
 
+/* What the surface is asked for, for every part (enum material_needs). */
+static uint32_t needs_of(const struct scene *scene, uint32_t material)
+{
+    struct part parts[2];
+    struct material *m = &scene->materials[material];
+    const int count = parts_of(m, parts);
+    uint32_t needs = m->needs;
+    for (int i = 0; i < count; i++)
+        needs |= needs_of(scene, *parts[i].material);
+    return needs;
+}
+
 static void check_sides(struct scene_doc *doc, const struct scene_at *at, const struct scene *scene,
                         struct material *m)
 {
@@ -138,13 +151,16 @@ void scene_wrap_bind(struct scene_doc *doc, const struct scene_at *materials,
         return;
     member = (struct scene_at){0};
     for (uint32_t i = 0; scene_at_next(materials, &member); i++)
-        if (!is_shallow(scene, i, SCENE_WRAP_DEPTH))
+        if (!is_shallow(scene, i, SCENE_WRAP_DEPTH)) {
             scene_doc_fault(doc, &member, ERR_INPUT,
                             "expected a material that is not made of itself, and of others at most "
                             "%d deep",
                             SCENE_WRAP_DEPTH);
-        else if (scene->materials[i].kind == MATERIAL_TWO_SIDED)
-            check_sides(doc, &member, scene, &scene->materials[i]);
+        } else {
+            scene->materials[i].needs = needs_of(scene, i);
+            if (scene->materials[i].kind == MATERIAL_TWO_SIDED)
+                check_sides(doc, &member, scene, &scene->materials[i]);
+        }
 }
 
 bool scene_wrap_has_mask(const struct scene *scene, uint32_t material)

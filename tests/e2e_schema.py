@@ -51,6 +51,7 @@ BEYOND_A_SCHEMA = {
     "material-nested-deep": "what names lead to",
     "material-mask-shines": "a shape against its material",
     "material-two-sided-glass": "a name's material",
+    "light-spot-angles": "one angle against the other",
     "material-unknown-of-many": "a name against names",
     "material-unknown-of-none": "a name against names",
     "sphere-ellipsoid": "geometry of a transform",

@@ -287,15 +287,28 @@ static void lights(void)
     ok(parse(HEAD "\"materials\": {}, \"shapes\": [], \"lights\": [{\"type\": \"sky\", "
                   "\"radiance\": [1, 2, 3]}, {\"type\": \"point\", \"position\": [4, 5, 6], "
                   "\"intensity\": 7}, {\"type\": \"distant\", \"direction\": [0, -3, -4], "
-                  "\"irradiance\": 0}]}"),
+                  "\"irradiance\": 0}, {\"type\": \"spot\", \"position\": [1, 2, 3], \"direction\": "
+                  "[0, 0, 2], \"intensity\": [4, 5, 6], \"inner_deg\": 30, \"outer_deg\": 60}, "
+                  "{\"type\": \"sun\", \"direction\": [0, -1, 0], \"diameter_deg\": 2, \"radiance\": 3}, "
+                  "{\"type\": \"sun\", \"direction\": [0, -1, 0], \"diameter_deg\": 180, "
+                  "\"irradiance\": 4}]}"),
        "every kind of light");
     const struct light *l = scene.lights;
-    ok(scene.light_count == 3 && l[0].kind == LIGHT_SKY && is_rgb(l[0].sky.radiance, 1, 2, 3),
+    ok(scene.light_count == 6 && l[0].kind == LIGHT_SKY && is_rgb(l[0].sky.radiance, 1, 2, 3),
        "sky");
     ok(l[1].kind == LIGHT_POINT && is_vec(l[1].point.position, 4, 5, 6) &&
            is_rgb(l[1].point.intensity, 7, 7, 7),
        "point");
     ok(l[2].kind == LIGHT_DISTANT && is_vec(l[2].distant.direction, 0, -.6, -.8), "distant");
+    ok(l[3].kind == LIGHT_SPOT && is_vec(l[3].spot.position, 1, 2, 3) &&
+           is_vec(l[3].spot.direction, 0, 0, 1) && is_rgb(l[3].spot.intensity, 4, 5, 6) &&
+           fabs((double)l[3].spot.inner_rad - .5235987756) < 1e-7 &&
+           fabs((double)l[3].spot.outer_rad - 1.0471975512) < 1e-7,
+       "spot");
+    ok(l[4].kind == LIGHT_SUN && fabs((double)l[4].sun.radius_rad - .0174532925) < 1e-9 &&
+           is_rgb(l[4].sun.radiance, 3, 3, 3) && is_rgb(l[4].sun.irradiance, 0, 0, 0) &&
+           is_rgb(l[5].sun.irradiance, 4, 4, 4) && is_rgb(l[5].sun.radiance, 0, 0, 0),
+       "suns by radiance and by irradiance");
 }
 
 static bool one_error(enum err_code code, const char *where, const char *what)

@@ -5,6 +5,7 @@
 #include "common/trace/bsdf_diffuse.h"
 #include "common/trace/bsdf_glass.h"
 #include "common/trace/bsdf_retro.h"
+#include "common/trace/bsdf_metal.h"
 #include "common/trace/fresnel.h"
 #include "common/trace/local.h"
 #include "common/trace/warp.h"
@@ -83,6 +84,8 @@ rgb bsdf_eval(const struct material *m, vec3 wo, vec3 wi)
         return bsdf_rough_eval(m, wo, wi);
     case MATERIAL_RETROREFLECTOR:
         return bsdf_retro_eval(m, wo, wi);
+    case MATERIAL_METAL:
+        return bsdf_metal_eval(m, wo, wi);
     case MATERIAL_MIRROR:
     case MATERIAL_DIELECTRIC:
     case MATERIAL_LEAF:
@@ -118,6 +121,8 @@ float bsdf_pdf_w(const struct material *m, vec3 wo, vec3 wi)
         return bsdf_rough_pdf_w(m, wo, wi);
     case MATERIAL_RETROREFLECTOR:
         return bsdf_retro_pdf_w(m, wo, wi);
+    case MATERIAL_METAL:
+        return bsdf_metal_pdf_w(m, wo, wi);
     case MATERIAL_MIRROR:
     case MATERIAL_DIELECTRIC:
     case MATERIAL_LEAF:
@@ -143,6 +148,8 @@ static bool opaque_sample(const struct material *m, vec3 wo, float lobe, struct 
         return bsdf_rough_sample(m, wo, lobe, direction, s);
     case MATERIAL_RETROREFLECTOR:
         return bsdf_retro_sample(m, wo, direction, s);
+    case MATERIAL_METAL:
+        return bsdf_metal_sample(m, wo, lobe, direction, s);
     case MATERIAL_DIELECTRIC:
     case MATERIAL_LEAF:
     case MATERIAL_DIFFUSE:

@@ -1,7 +1,8 @@
 /* bsdf.h - how a surface scatters: eval, sample, pdf.
  *
  * Directions are local and unit: z is the geometric normal of the front side (shading normals do
- * not exist yet), wo and wi point away from the surface, and either may lie below it.
+ * not exist yet), wo and wi point away from the surface, and either may lie below it. Only metal
+ * with two widths looks at what x and y are.
  * Opaque materials look the same from both sides. Only radiance is transported, towards
  * the camera.
  *
@@ -52,6 +53,8 @@ static inline bool bsdf_is_delta(const struct material *m)
     case MATERIAL_MASK:
     case MATERIAL_TWO_SIDED:
         break;
+    case MATERIAL_METAL:
+        return m->metal.alpha_x < BSDF_LEAST_ALPHA && m->metal.alpha_y < BSDF_LEAST_ALPHA;
     }
     __builtin_unreachable();
 }
@@ -60,7 +63,8 @@ static inline bool bsdf_is_delta(const struct material *m)
 static inline bool bsdf_has_lobes(const struct material *m)
 {
     const uint32_t lobed =
-        1u << MATERIAL_DIELECTRIC | 1u << MATERIAL_ROUGH_DIFFUSE | 1u << MATERIAL_LEAF;
+        1u << MATERIAL_DIELECTRIC | 1u << MATERIAL_ROUGH_DIFFUSE | 1u << MATERIAL_LEAF |
+        1u << MATERIAL_METAL;
     return lobed >> m->kind & 1;
 }
 

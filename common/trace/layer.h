@@ -9,9 +9,10 @@
 #include "common/layers.h"
 #include "common/trace/path.h"
 
-/* The first surface's. Albedo is estimated by the first scattering that the path itself draws:
- * its weight, without the change of radiance that refraction makes. */
-void layer_surface(const struct stage *, uint32_t layers, const struct path_start *,
+/* The first surface's, of the start that sample has the number of, modulo 8. Albedo is estimated by
+ * the first scattering that the path itself draws: its weight, without the change of radiance that
+ * refraction makes. */
+void layer_surface(const struct stage *, uint32_t layers, const struct path_starts *,
                    const struct rng *, uint32_t sample, double channels[]);
 
 /* The terms of path i, which ended with `radiance`. They are differences of floats and exact in

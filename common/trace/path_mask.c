@@ -36,12 +36,13 @@ static bool is_stopped(const struct stage *s, const struct rng *rng, uint32_t bo
     }
 }
 
-uint32_t path_mask_pass(const struct stage *s, const struct path_mask_rays *r, uint32_t found)
+uint32_t path_mask_pass(const struct stage *s, const struct rng rngs[], uint32_t bounce,
+                        uint32_t found, struct ray rays[], struct ray_hit hits[])
 {
     uint32_t stopped = 0;
-    for (uint32_t i = 0; i < r->count; i++) {
-        const struct rng *rng = &r->rngs[r->of ? r->of[i] : i];
-        if (found >> i & 1 && is_stopped(s, rng, r->bounce, &r->rays[i], &r->hits[i]))
+    for (; found; found &= found - 1) {
+        const uint32_t i = (uint32_t)__builtin_ctz(found);
+        if (is_stopped(s, &rngs[i], bounce, &rays[i], &hits[i]))
             stopped |= 1u << i;
     }
     return stopped;

@@ -9,17 +9,11 @@
 #include "common/trace/ray.h"
 #include "common/trace/rng.h"
 
-/* Rays of paths, each with the path's numbers, after so many scattering events. */
-struct path_mask_rays {
-    struct ray *rays;       /* as they were traced; then as they were traced last */
-    struct ray_hit *hits;   /* the closest; then the first that stops the ray */
-    const struct rng *rngs; /* of ray i: rngs[of ? of[i] : i] */
-    const uint32_t *of;
-    uint32_t bounce, count;
-};
-
-/* found: bit i of those that have a hit. Returns the same for those that are stopped. */
-uint32_t path_mask_pass(const struct stage *, const struct path_mask_rays *, uint32_t found);
+/* Rays of paths, ray i with the numbers of path i, after so many scattering events. found: bit i of
+ * those that have a hit, hits[i] the closest; returns the same for those that are stopped, hits[i]
+ * then the first that does it, and rays[i] as it was traced last. */
+uint32_t path_mask_pass(const struct stage *, const struct rng rngs[], uint32_t bounce,
+                        uint32_t found, struct ray rays[], struct ray_hit hits[]);
 
 /* The share of light that passes along a shadow ray. */
 float path_mask_share(const struct stage *, struct ray shadow);

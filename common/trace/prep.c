@@ -4,73 +4,8 @@
 #include <assert.h>
 #include <string.h>
 
+#include "common/trace/light8.h"
 #include "common/trace/prep_plan.h"
-
-#define PI 3.14159265358979323846
-
-/* --- lights --- */
-
-/* Half the diagonal of everything: what a distant light shines on. */
-static double scene_radius(const struct stage *head)
-{
-    double sum = 0;
-    for (int k = 0; k < 3; k++) {
-        const double side = (double)head->bounds[1][k] - (double)head->bounds[0][k];
-        sum += side * side;
-    }
-    return __builtin_sqrt(sum) / 2;
-}
-
-static void add_lights(struct prep_plan *p)
-{
-    const double radius = scene_radius(&p->head);
-    for (uint32_t i = 0; i < p->scene->light_count; i++) {
-        const struct light *l = &p->scene->lights[i];
-        struct emitter *e = &p->emitters[p->head.emitters.count];
-        double *power = &p->power[p->head.emitters.count];
-        switch (l->kind) {
-        case LIGHT_SKY:
-            p->head.sky += l->sky.radiance;
-            continue;
-        case LIGHT_POINT:
-            *e = (struct emitter){.kind = EMITTER_POINT, .prim = STAGE_NONE};
-            vec3_store(e->radiance, l->point.intensity);
-            memcpy(e->at, l->point.position, sizeof e->at);
-            *power = 4 * PI * (double)rgb_luminance(l->point.intensity);
-            break;
-        case LIGHT_DISTANT:
-            *e = (struct emitter){.kind = EMITTER_DISTANT, .prim = STAGE_NONE};
-            vec3_store(e->radiance, l->distant.irradiance);
-            memcpy(e->at, l->distant.direction, sizeof e->at);
-            *power = PI * radius * radius * (double)rgb_luminance(l->distant.irradiance);
-            break;
-        }
-        p->head.emitters.count++;
-    }
-}
-
-/* The table of floats has this many steps that are all exact. */
-enum { PICK_STEPS = 1 << 24 };
-
-/* Chosen in proportion to power; all alike when none has any. Every emitter gets a step of the
- * table, however weak it is: one that is never chosen would be missing, since nothing else finds a
- * point or a distant light. (More than 2^23 emitters are surfaces, which directions find, too.) */
-static void pick_emitters(struct prep_plan *p)
-{
-    const uint64_t n = p->head.emitters.count;
-    double total = 0, sum = 0;
-    for (uint64_t i = 0; i < n; i++)
-        total += p->power[i];
-    const bool usable = total > 0 && total - total == 0;
-    const uint64_t reserved = n <= PICK_STEPS / 2 ? 1 : 0;
-    for (uint64_t i = 0; i < n; i++) {
-        sum += usable ? p->power[i] / total : 1 / (double)n;
-        const double share = (double)(PICK_STEPS - reserved * n) * (sum < 1 ? sum : 1);
-        const uint64_t steps = i + 1 < n ? (uint64_t)share + reserved * (i + 1) : PICK_STEPS;
-        p->pick_cdf[i + 1] = (float)steps / (float)PICK_STEPS;
-        p->emitters[i].pick = p->pick_cdf[i + 1] - p->pick_cdf[i];
-    }
-}
 
 /* A panorama looks everywhere: its depth is the distance. */
 static void set_view(struct stage_view *view, const struct scene_camera *c)
@@ -107,6 +42,7 @@ static void count_pieces(struct prep_plan *p)
     struct stage *head = &p->head;
     head->shapes.count = (uint64_t)p->scene->shape_count + 1;
     head->pick_cdf.count = head->emitters.count + 1;
+    head->lamps.count = light8_fit(p->emitters, head->emitters.count);
     head->materials.count = p->scene->material_count;
     head->trees.count = p->tree_count;
     for (uint32_t i = 0; i < p->tree_count; i++) {
@@ -133,11 +69,13 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->materials, p->scene->materials, sizeof *p->scene->materials},
         {&head->emitters, p->emitters, sizeof *p->emitters},
         {&head->pick_cdf, p->pick_cdf, sizeof *p->pick_cdf},
+        {&head->lamps, NULL, sizeof(struct stage_lamps)},
         {&head->details, p->details, sizeof *p->details},
         {&head->corners, NULL, sizeof(struct stage_corners)},
         {&head->normals, NULL, sizeof(struct stage_normal)},
         {&head->uvs, NULL, sizeof(struct stage_uv)},
         {&head->colors, NULL, sizeof(struct stage_color)},
+        {&head->spots, p->spots, sizeof *p->spots},
     };
     uint64_t bytes = (sizeof *head + STAGE_ALIGN - 1) / STAGE_ALIGN * STAGE_ALIGN;
     for (size_t i = 0; i < countof(pieces); i++) {
@@ -232,8 +170,7 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
     p.head.film = scene->film;
     p.head.settings = scene->settings;
     prep_shapes(&p, crew);
-    add_lights(&p);
-    pick_emitters(&p);
+    prep_lights(&p);
     survey_materials(&p);
     prep_camera(&p.head.camera, scene);
     set_view(&p.head.view, &scene->camera);
@@ -243,6 +180,9 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
         write_trees(&p, block, crew);
         prep_detail_write(&p, block);
         place_emitters(&p, (struct emitter *)(void *)(block + p.head.emitters.offset), scratch);
+        if (p.head.lamps.count)
+            light8_lamps((const struct stage *)(const void *)block,
+                         (struct stage_lamps *)(void *)(block + p.head.lamps.offset));
         *stage = (const struct stage *)(const void *)block;
     }
     for (uint32_t i = 0; i < p.tree_count; i++)

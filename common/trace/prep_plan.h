@@ -40,6 +40,7 @@ struct prep_plan {
     struct stage_detail *details;
     struct prep_mesh *detail_meshes;
     uint32_t quad_uvs; /* as in struct prep_mesh */
+    struct stage_spot *spots;
 };
 
 /* Allocates the arrays. False: too many primitives. */
@@ -78,5 +79,9 @@ void prep_detail_write(const struct prep_plan *, unsigned char *block);
 
 /* Where the camera stands and how it maps the film. */
 void prep_camera(struct stage_camera *, const struct scene *);
+
+/* The document's lights -> emitters behind those of shapes, and the table by which one is picked.
+ * After prep_shapes: a distant light shines on what there is. */
+void prep_lights(struct prep_plan *);
 
 #endif

@@ -22,9 +22,9 @@ struct octet {
     uint32_t x_px, y_px;
     struct rng_pixel rng;
     struct camera_rays rays;
-    uint32_t elder;                            /* whose rays they are; UINT32_MAX: nobody's */
-    uint32_t begun;                            /* bit i: starts[i] is the elder's, too */
-    struct path_start starts[FILM_REPLICATES]; /* for two siblings each */
+    uint32_t elder;            /* whose rays they are; UINT32_MAX: nobody's */
+    uint32_t begun;            /* bit i: starts[i] is the elder's, too */
+    struct path_starts starts; /* for two siblings each */
 };
 
 static void octet_init(struct octet *o, const struct stage *s, uint32_t x_px, uint32_t y_px)
@@ -63,30 +63,27 @@ static void octet_go(struct octet *o, uint32_t index)
         octet_aim(o, x, y);
 }
 
-/* The camera rays of replicates [begin, end). */
-static void octet_begin(struct octet *o, uint32_t begin, uint32_t end)
+/* The camera rays of the replicates whose bit is set in `which`. */
+static void octet_begin(struct octet *o, uint32_t which)
 {
     struct ray rays[FILM_REPLICATES];
-    const uint32_t wanted = (1u << end) - (1u << begin);
-    if ((o->begun & wanted) == wanted)
+    if (!(which & ~o->begun))
         return;
-    for (uint32_t i = begin; i < end; i++)
-        rays[i - begin] = camera_rays_at(&o->stage->camera, &o->rays, i);
-    path_begin(o->stage, rays, &o->rng.replicate[begin], end - begin, &o->starts[begin]);
-    o->begun |= wanted;
+    for (uint32_t i = 0; i < FILM_REPLICATES; i++)
+        rays[i] = camera_rays_at(&o->stage->camera, &o->rays, i);
+    path_begin(o->stage, which, rays, o->rng.replicate, &o->starts);
+    o->begun = which;
 }
 
-/* Radiance of those with replicates [begin, end), and its terms if they are asked for. */
-static void octet_radiance(struct octet *o, uint32_t begin, uint32_t end, rgb radiance[],
+/* Radiance of those, by replicate, and its terms if they are asked for. */
+static void octet_radiance(struct octet *o, uint32_t which, rgb radiance[FILM_REPLICATES],
                            struct path_terms *terms)
 {
     const struct stage *s = o->stage;
-    octet_begin(o, begin, end);
-    const struct path_start *starts = &o->starts[begin];
-    const struct rng *rngs = &o->rng.replicate[begin];
+    octet_begin(o, which);
     switch (s->settings.integrator) {
     case INTEGRATOR_PATH:
-        path_radiance(s, starts, rngs, end - begin, PATH_ROULETTE_BEGIN, terms, radiance);
+        path_radiance(s, which, &o->starts, o->rng.replicate, PATH_ROULETTE_BEGIN, terms, radiance);
         return;
     }
     __builtin_unreachable();
@@ -96,11 +93,11 @@ rgb render_sample(const struct stage *s, uint32_t x_px, uint32_t y_px, uint32_t 
 {
     const uint32_t replicate = sample % FILM_REPLICATES;
     struct octet o;
-    rgb radiance;
+    rgb radiance[FILM_REPLICATES];
     octet_init(&o, s, x_px, y_px);
     octet_go(&o, sample / FILM_REPLICATES);
-    octet_radiance(&o, replicate, replicate + 1, &radiance, NULL);
-    return radiance;
+    octet_radiance(&o, 1u << replicate, radiance, NULL);
+    return radiance[replicate];
 }
 
 /* False for a NaN. */
@@ -121,20 +118,20 @@ struct pixel {
 static void add_octet(struct octet *o, struct pixel *to, struct film_samples *out, uint32_t begin,
                       uint32_t end)
 {
-    const uint32_t first = begin % FILM_REPLICATES;
+    const uint32_t first = begin % FILM_REPLICATES, which = (1u << (end - begin)) - 1;
     rgb radiance[FILM_REPLICATES];
     octet_go(o, begin / FILM_REPLICATES);
-    octet_radiance(o, first, first + end - begin, radiance, to->terms.count ? &to->terms : NULL);
-    for (uint32_t i = 0; i < end - begin; i++) {
-        const uint32_t replicate = first + i;
+    octet_radiance(o, which << first, radiance, to->terms.count ? &to->terms : NULL);
+    for (uint32_t sample = begin; sample < end; sample++) {
+        const uint32_t i = sample % FILM_REPLICATES;
         if (out->layers)
-            layer_surface(o->stage, out->layers, &o->starts[replicate],
-                          &o->rng.replicate[replicate], begin + i, to->layers);
+            layer_surface(o->stage, out->layers, &o->starts, &o->rng.replicate[i], sample,
+                          to->layers);
         if (!is_valid(radiance[i])) {
-            film_samples_note_invalid(out, (struct film_key){o->x_px, o->y_px, begin + i});
+            film_samples_note_invalid(out, (struct film_key){o->x_px, o->y_px, sample});
             continue;
         }
-        to->sums[replicate] += f64x4_of(radiance[i]);
+        to->sums[i] += f64x4_of(radiance[i]);
         if (to->terms.count)
             layer_bounces(out->layers, &to->terms, i, radiance[i], to->layers);
     }

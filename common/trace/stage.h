@@ -128,17 +128,40 @@ struct stage_instance {
     float pad[3];
 };
 
-/* Something next-event estimation can aim at: an emissive primitive, a point or a distant light. */
-enum emitter_kind { EMITTER_PRIM, EMITTER_POINT, EMITTER_DISTANT };
+/* Something next-event estimation can aim at. Their order: emissive primitives by number; points
+ * and spots (up to here they have a place: stage.far_begin); distant lights; what a ray that leaves
+ * the scene can meet (from stage.beyond_begin on). */
+enum emitter_kind { EMITTER_PRIM, EMITTER_POINT, EMITTER_SPOT, EMITTER_DISTANT, EMITTER_SUN };
 
 struct emitter {
     enum emitter_kind kind;
     uint32_t prim;            /* EMITTER_PRIM */
     struct stage_place place; /* EMITTER_PRIM */
-    float radiance[3];        /* EMITTER_PRIM: radiance; POINT: intensity; DISTANT: irradiance */
-    float at[3];              /* POINT: position; DISTANT: direction of travel, unit */
-    float area;               /* EMITTER_PRIM: m^2 */
+    float radiance[3];        /* PRIM, SUN: radiance; POINT, SPOT: intensity; DISTANT: irradiance */
+    float at[3];              /* POINT, SPOT: position; DISTANT, SUN: direction of travel, unit */
+    union {
+        float area;     /* EMITTER_PRIM: m^2 */
+        float cap;      /* SUN: 1 - cos of its radius */
+        uint32_t index; /* SPOT: into stage.spots */
+    };
     float pick;               /* probability of being chosen; they sum to 1 */
+};
+
+struct stage_spot {
+    float direction[3]; /* unit */
+    float inner, outer; /* 1 - cos of the angles between which its light falls off */
+};
+
+/* The emitters once more, in lanes, where there are few and all are triangles that pick_cdf chooses
+ * among: light8.h. */
+struct stage_lamps {
+    _Alignas(32) float v[3][3][STAGE_LANES]; /* [vertex][axis][lane]; unused lanes are as lane 0 */
+    float normal[3][STAGE_LANES];            /* unit, as of surface_on_triangle */
+    float area[STAGE_LANES], radiance[3][STAGE_LANES];
+    float begin[STAGE_LANES], end[STAGE_LANES]; /* the emitter's part of pick_cdf */
+    uint32_t prim[STAGE_LANES];
+    uint32_t count; /* of emitters */
+    uint32_t pad[7];
 };
 
 struct stage_camera {   /* as perspective and thin lens have it; the others: camera.c */
@@ -175,6 +198,7 @@ struct stage {
 
     uint32_t prim_count;
     uint32_t wrapped, masked; /* 1: there are materials made of others; among them masks */
+    uint32_t far_begin, beyond_begin; /* among the emitters: see there */
 
     /* Only spans from here to the end: stage_check knows them by their place. */
     struct stage_span shapes; /* struct stage_shape, and one more, whose prim_begin is prim_count */
@@ -188,11 +212,13 @@ struct stage {
     struct stage_span materials; /* struct material, names NULL */
     struct stage_span emitters;  /* struct emitter */
     struct stage_span pick_cdf;  /* float: cumulative pick, one more than emitters */
+    struct stage_span lamps;     /* struct stage_lamps: one, or none */
     struct stage_span details;   /* struct stage_detail */
     struct stage_span corners;   /* struct stage_corners */
     struct stage_span normals;   /* struct stage_normal */
     struct stage_span uvs;       /* struct stage_uv */
     struct stage_span colors;    /* struct stage_color */
+    struct stage_span spots;     /* struct stage_spot */
 };
 
 static inline const void *stage_at(const struct stage *s, struct stage_span span)

@@ -30,6 +30,8 @@ static float lobe_width(const struct material *m)
         return m->conductor.alpha;
     case MATERIAL_DIELECTRIC:
         return m->dielectric.alpha;
+    case MATERIAL_METAL:
+        return fmaxf(m->metal.alpha_x, m->metal.alpha_y);
     case MATERIAL_RETROREFLECTOR:
         return m->retro.alpha;
     case MATERIAL_DIFFUSE:
@@ -47,6 +49,8 @@ static float lobe_width(const struct material *m)
 /* What is sampled by visible facets or by the cosine is 1 at most. */
 static double largest_weight(const struct material *m)
 {
+    if (m->kind == MATERIAL_METAL && m->metal.multiscatter)
+        return 3;
     if (m->kind == MATERIAL_ROUGH_DIFFUSE)
         return 1.3;
     return m->kind == MATERIAL_LEAF ? 2.00001 : 1.00001;
