@@ -85,6 +85,7 @@ enum material_kind {
     MATERIAL_ROUGH_DIFFUSE,
     MATERIAL_RETROREFLECTOR,
     MATERIAL_LEAF,
+    MATERIAL_PLASTIC,
     MATERIAL_MIX,
     MATERIAL_MASK,
     MATERIAL_TWO_SIDED,
@@ -129,6 +130,11 @@ struct material {
         struct {
             rgb reflectance, transmittance; /* sum in [0, 1] */
         } leaf;
+        struct {
+            rgb albedo;  /* of the base, [0, 1] */
+            float ior;   /* of the coat, [1.1, 3] */
+            float alpha; /* GGX width of its facets, [0, 1]; 0 is smooth */
+        } plastic;
         struct {
             uint32_t first, second; /* indices into scene.materials */
             float amount;           /* of the second, [0, 1] */

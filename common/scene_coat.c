@@ -2,6 +2,7 @@
 #include "common/scene_coat.h"
 
 static const struct scene_range fraction = {0, 1, false};
+static const struct scene_range coat_ior = {1.1, 3, false};
 
 void scene_coat_rough_diffuse(const struct scene_params *p, struct material *m)
 {
@@ -34,4 +35,15 @@ void scene_coat_leaf(const struct scene_params *p, struct material *m)
                         "expected reflectance + transmittance of at most 1 in every channel, got "
                         "%g, %g, %g",
                         (double)sum[0], (double)sum[1], (double)sum[2]);
+}
+
+void scene_coat_plastic(const struct scene_params *p, struct material *m)
+{
+    static const struct scene_key keys[] = {
+        {"type", true}, {"albedo", true}, {"ior", false}, {"alpha", false}};
+    m->plastic.ior = 1.5f;
+    scene_params_of(p, "a plastic", keys, countof(keys));
+    scene_param_rgb(p, "albedo", fraction, &m->plastic.albedo);
+    scene_param_number(p, "ior", coat_ior, &m->plastic.ior);
+    scene_param_number(p, "alpha", fraction, &m->plastic.alpha);
 }

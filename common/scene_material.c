@@ -40,6 +40,7 @@ static const char *const material_names[] = {
     [MATERIAL_ROUGH_DIFFUSE] = "rough_diffuse",
     [MATERIAL_RETROREFLECTOR] = "retroreflector",
     [MATERIAL_LEAF] = "leaf",
+    [MATERIAL_PLASTIC] = "plastic",
     [MATERIAL_MIX] = "mix",
     [MATERIAL_MASK] = "mask",
     [MATERIAL_TWO_SIDED] = "two_sided",
@@ -74,6 +75,9 @@ static void read_material(struct scene_doc *doc, const struct scene_at *at, stru
         return;
     case MATERIAL_LEAF:
         scene_coat_leaf(&p, m);
+        return;
+    case MATERIAL_PLASTIC:
+        scene_coat_plastic(&p, m);
         return;
     case MATERIAL_MIX:
         scene_wrap_mix(&p, m);

@@ -54,6 +54,7 @@ static int parts_of(struct material *m, struct part parts[2])
     case MATERIAL_ROUGH_DIFFUSE:
     case MATERIAL_RETROREFLECTOR:
     case MATERIAL_LEAF:
+    case MATERIAL_PLASTIC:
     case MATERIAL_METAL:
         break;
     }

@@ -142,6 +142,7 @@ static bool scatter(const struct material *m, bool front, struct dir wo, struct 
     case MATERIAL_ROUGH_DIFFUSE:
     case MATERIAL_RETROREFLECTOR:
     case MATERIAL_LEAF:
+    case MATERIAL_PLASTIC:
     case MATERIAL_MIX:
     case MATERIAL_MASK:
     case MATERIAL_TWO_SIDED:

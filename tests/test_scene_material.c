@@ -49,6 +49,18 @@ static void diffuse(void)
        "a leaf; parts that add up to 1 are not too much");
 }
 
+static void coats(void)
+{
+    ok(parse("\"a\": {\"type\": \"plastic\", \"albedo\": 0.5}, \"b\": {\"type\": \"plastic\", "
+             "\"albedo\": 1, \"ior\": 1.1, \"alpha\": 0.25}"),
+       "plastic");
+    const struct material *m = scene.materials;
+    ok(m[0].kind == MATERIAL_PLASTIC && m[0].plastic.albedo[1] == .5f && m[0].plastic.ior == 1.5f &&
+           m[0].plastic.alpha == 0,
+       "smooth, and of 1.5, by default");
+    ok(m[1].plastic.ior == 1.1f && m[1].plastic.alpha == .25f, "or as it says");
+}
+
 static void made_of_others(void)
 {
     ok(parse("\"m\": {\"type\": \"mix\", \"first\": \"t\", \"second\": \"k\", \"amount\": 0.25}, "
@@ -78,6 +90,7 @@ static void made_of_others(void)
 int main(void)
 {
     diffuse();
+    coats();
     made_of_others();
     arena_release(&arena);
     return tap_done();

@@ -4,6 +4,7 @@
 #include "common/trace/bsdf_conductor.h"
 #include "common/trace/bsdf_diffuse.h"
 #include "common/trace/bsdf_glass.h"
+#include "common/trace/bsdf_plastic.h"
 #include "common/trace/bsdf_retro.h"
 #include "common/trace/bsdf_metal.h"
 #include "common/trace/fresnel.h"
@@ -84,6 +85,8 @@ rgb bsdf_eval(const struct material *m, vec3 wo, vec3 wi)
         return bsdf_rough_eval(m, wo, wi);
     case MATERIAL_RETROREFLECTOR:
         return bsdf_retro_eval(m, wo, wi);
+    case MATERIAL_PLASTIC:
+        return bsdf_plastic_eval(m, wo, wi);
     case MATERIAL_METAL:
         return bsdf_metal_eval(m, wo, wi);
     case MATERIAL_MIRROR:
@@ -121,6 +124,8 @@ float bsdf_pdf_w(const struct material *m, vec3 wo, vec3 wi)
         return bsdf_rough_pdf_w(m, wo, wi);
     case MATERIAL_RETROREFLECTOR:
         return bsdf_retro_pdf_w(m, wo, wi);
+    case MATERIAL_PLASTIC:
+        return bsdf_plastic_pdf_w(m, wo, wi);
     case MATERIAL_METAL:
         return bsdf_metal_pdf_w(m, wo, wi);
     case MATERIAL_MIRROR:
@@ -148,6 +153,8 @@ static bool opaque_sample(const struct material *m, vec3 wo, float lobe, struct 
         return bsdf_rough_sample(m, wo, lobe, direction, s);
     case MATERIAL_RETROREFLECTOR:
         return bsdf_retro_sample(m, wo, direction, s);
+    case MATERIAL_PLASTIC:
+        return bsdf_plastic_sample(m, wo, lobe, direction, s);
     case MATERIAL_METAL:
         return bsdf_metal_sample(m, wo, lobe, direction, s);
     case MATERIAL_DIELECTRIC:

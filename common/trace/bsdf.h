@@ -48,6 +48,7 @@ static inline bool bsdf_is_delta(const struct material *m)
         return m->retro.alpha < BSDF_LEAST_ALPHA;
     case MATERIAL_ROUGH_DIFFUSE:
     case MATERIAL_LEAF:
+    case MATERIAL_PLASTIC:
         return false;
     case MATERIAL_MIX: /* looked through before (material.h) */
     case MATERIAL_MASK:
@@ -62,9 +63,8 @@ static inline bool bsdf_is_delta(const struct material *m)
 /* Whether sampling chooses among kinds of scattering: else bsdf_sample does not look at `lobe`. */
 static inline bool bsdf_has_lobes(const struct material *m)
 {
-    const uint32_t lobed =
-        1u << MATERIAL_DIELECTRIC | 1u << MATERIAL_ROUGH_DIFFUSE | 1u << MATERIAL_LEAF |
-        1u << MATERIAL_METAL;
+    const uint32_t lobed = 1u << MATERIAL_DIELECTRIC | 1u << MATERIAL_ROUGH_DIFFUSE |
+                           1u << MATERIAL_LEAF | 1u << MATERIAL_PLASTIC | 1u << MATERIAL_METAL;
     return lobed >> m->kind & 1;
 }
 
