@@ -90,6 +90,13 @@ enum material_kind {
     MATERIAL_MIRROR,
     MATERIAL_DIELECTRIC,
     MATERIAL_CONDUCTOR,
+    MATERIAL_ROUGH_DIFFUSE,
+    MATERIAL_RETROREFLECTOR,
+    MATERIAL_LEAF,
+    MATERIAL_PLASTIC,
+    MATERIAL_MIX,
+    MATERIAL_MASK,
+    MATERIAL_TWO_SIDED,
     /* From here on without a name in documents. */
     MATERIAL_METAL, /* a "conductor" that asks for more than MATERIAL_CONDUCTOR has */
 };
@@ -120,6 +127,33 @@ struct material {
             rgb eta, k;  /* complex index of refraction per channel, eta > 0, k >= 0 */
             float alpha; /* GGX width, [0, 1]; 0 is a perfect mirror with conductor Fresnel */
         } conductor;
+        struct {
+            rgb albedo;      /* [0, 1] */
+            float roughness; /* [0, 1]; 0 is Lambertian */
+        } rough_diffuse;
+        struct {
+            rgb reflectance; /* [0, 1] */
+            float alpha;     /* GGX width, [0, 1]; 0 sends light back exactly */
+        } retro;
+        struct {
+            rgb reflectance, transmittance; /* sum in [0, 1] */
+        } leaf;
+        struct {
+            rgb albedo;  /* of the base, [0, 1] */
+            float ior;   /* of the coat, [1.1, 3] */
+            float alpha; /* GGX width of its facets, [0, 1]; 0 is smooth */
+        } plastic;
+        struct {
+            uint32_t first, second; /* indices into scene.materials */
+            float amount;           /* of the second, [0, 1] */
+        } mix;
+        struct {
+            uint32_t of;   /* the material where there is one */
+            float opacity; /* [0, 1]; 0: nothing is there, rays go straight on */
+        } mask;
+        struct {
+            uint32_t front, back; /* both opaque */
+        } two_sided;
         struct {
             rgb eta, k;              /* as a conductor's */
             float alpha_x, alpha_y;  /* GGX width along the x axis of the local frame and across */

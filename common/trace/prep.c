@@ -15,6 +15,20 @@ static void set_view(struct stage_view *view, const struct scene_camera *c)
         vec3_store(view->direction, vec3_unit(xform_vector(&c->to_world, vec3_make(0, 0, -1))));
 }
 
+/* --- materials --- */
+
+/* What only some materials need, and costs every path of a scene that has them. */
+static void survey_materials(struct prep_plan *p)
+{
+    for (uint32_t i = 0; i < p->scene->material_count; i++) {
+        const enum material_kind kind = p->scene->materials[i].kind;
+        if (kind == MATERIAL_MIX || kind == MATERIAL_MASK || kind == MATERIAL_TWO_SIDED)
+            p->head.wrapped = 1;
+        if (kind == MATERIAL_MASK)
+            p->head.masked = 1;
+    }
+}
+
 /* --- the block --- */
 
 struct piece {
@@ -158,6 +172,7 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
     p.head.settings = scene->settings;
     prep_shapes(&p, crew);
     prep_lights(&p);
+    survey_materials(&p);
     prep_camera(&p.head.camera, scene);
     prep_filter(&p, scratch);
     set_view(&p.head.view, &scene->camera);

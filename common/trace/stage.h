@@ -211,6 +211,7 @@ struct stage {
     uint32_t bvh_depth;
 
     uint32_t prim_count;
+    uint32_t wrapped, masked; /* 1: there are materials made of others; among them masks */
     uint32_t far_begin, beyond_begin; /* among the emitters: see there */
 
     /* Only spans from here to the end: stage_check knows them by their place. */

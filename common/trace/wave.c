@@ -1,9 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "common/trace/wave.h"
 
+#include <string.h>
+
 #include "common/trace/bsdf.h"
 #include "common/trace/bvh.h"
 #include "common/trace/light8.h"
+#include "common/trace/material.h"
+#include "common/trace/path_mask.h"
 
 static inline uint32_t lowest(uint32_t lanes)
 {
@@ -63,11 +67,27 @@ static rgb light_of(const struct wave *w, uint32_t i)
 
 /* --- the first vertices --- */
 
-void wave_begin(const struct stage *s, uint32_t which, const struct ray rays[],
-                struct wave_starts *starts)
+/* Past masks: siblings share the ray, so they share its numbers. */
+static uint32_t begin_behind(const struct stage *s, const struct rng rngs[], uint32_t found,
+                             struct ray rays[], struct ray_hit hits[])
 {
+    struct rng elders[WAVE_LANES];
+    for (uint32_t left = found; left; left &= left - 1)
+        elders[lowest(left)] = rng_elder(&rngs[lowest(left)]);
+    return path_mask_pass(s, elders, u32x8_splat(0), found, rays, hits);
+}
+
+void wave_begin(const struct stage *s, uint32_t which, const struct ray rays[],
+                const struct rng rngs[], struct wave_starts *starts)
+{
+    struct ray passed[WAVE_LANES];
     struct ray_hit hits[WAVE_LANES];
-    const uint32_t found = bvh_hit_closest_8(s, which, rays, hits);
+    uint32_t found = bvh_hit_closest_8(s, which, rays, hits);
+    if (s->masked && found) {
+        memcpy(passed, rays, (32 - (size_t)__builtin_clz(which)) * sizeof *rays);
+        found = begin_behind(s, rngs, found, passed, hits);
+        rays = passed;
+    }
     starts->met = found;
     starts->ends = s->settings.max_bounces == 0 ? which : which & ~found;
     starts->plain = path8_arrive(s, found, rays, hits, &starts->lanes);
@@ -89,6 +109,17 @@ struct path_vertex wave_first(const struct stage *s, const struct wave_starts *s
 }
 
 /* --- from vertices to rays --- */
+
+/* The vertices' materials, where some are made of others; these are never plain. */
+static void choose_materials(struct wave *w)
+{
+    const f32x8 number = rng8_single(&w->rng, rng_dimension_choice(0));
+    for (uint32_t left = w->going & ~w->plain; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        struct path_vertex *v = &w->paths[i].vertex;
+        v->material = material_at(w->stage, v->at.material, v->wo[2] < 0, number[i]);
+    }
+}
 
 static void draw(struct wave *w)
 {
@@ -140,6 +171,24 @@ static void add_to_lanes(struct wave *w, uint32_t lanes, struct vec8 light)
         vec8_choose(i32x8_of_bits(lanes), vec8_add(w->lanes.light, light), w->lanes.light);
 }
 
+static void add_to_path(struct wave *w, uint32_t i, rgb light)
+{
+    if (w->plain >> i & 1)
+        vec8_set_lane(&w->lanes.light, i, light_of(w, i) + light);
+    else
+        w->paths[i].light += light;
+}
+
+/* What comes along shadow rays that have met something. */
+static void add_through_masks(struct wave *w, const struct direct *d, uint32_t dark)
+{
+    for (; dark; dark &= dark - 1) {
+        const uint32_t i = lowest(dark);
+        const rgb all = d->lanes >> i & 1 ? vec8_lane(&d->of_lanes, i) : d->of_others[i];
+        add_to_path(w, i, all * path_mask_share(w->stage, w->shadows[i]));
+    }
+}
+
 static void add_direct(struct wave *w, const struct direct *d)
 {
     const uint32_t seen = ~bvh_hit_any_8(w->stage, d->lanes | d->others, w->shadows);
@@ -147,11 +196,10 @@ static void add_direct(struct wave *w, const struct direct *d)
         add_to_lanes(w, d->lanes & seen, d->of_lanes);
     for (uint32_t left = d->others & seen; left; left &= left - 1) {
         const uint32_t i = lowest(left);
-        if (w->plain >> i & 1)
-            vec8_set_lane(&w->lanes.light, i, light_of(w, i) + d->of_others[i]);
-        else
-            w->paths[i].light += d->of_others[i];
+        add_to_path(w, i, d->of_others[i]);
     }
+    if (w->stage->masked)
+        add_through_masks(w, d, (d->lanes | d->others) & ~seen);
 }
 
 /* Bit i: path i goes on along rays[i]. */
@@ -209,7 +257,9 @@ static void arrive(struct wave *w, uint32_t which)
     const struct stage *s = w->stage;
     struct ray_hit hits[WAVE_LANES];
     struct path8_vertex at;
-    const uint32_t found = bvh_hit_closest_8(s, which, w->rays, hits);
+    uint32_t found = bvh_hit_closest_8(s, which, w->rays, hits);
+    if (s->masked)
+        found = path_mask_pass(s, w->rngs, w->bounce + 1, found, w->rays, hits);
     leave_scene(w, which & ~found);
     const uint32_t plain = path8_arrive(s, found, w->rays, hits, &at);
     for (uint32_t left = found & ~plain; left; left &= left - 1) {
@@ -243,6 +293,8 @@ static void step(struct wave *w)
 {
     const uint32_t before = w->going;
     struct direct direct;
+    if (w->stage->wrapped)
+        choose_materials(w);
     draw(w);
     look_at_lights(w, &direct);
     const uint32_t next = scatter(w);
@@ -308,6 +360,7 @@ void wave_put(struct wave *w, uint32_t which, const struct wave_starts *starts,
         w->number[i] = number + k;
         w->bounce[i] = 0;
         rng8_set_lane(&w->rng, i, &rngs[k]);
+        w->rngs[i] = rngs[k];
     }
 }
 

@@ -48,7 +48,8 @@ struct wave {
     struct path paths[WAVE_LANES];
     uint32_t number[WAVE_LANES]; /* the path's */
     u32x8 bounce;
-    struct rng8 rng;
+    struct rng8 rng;             /* at the bounce where the lane is */
+    struct rng rngs[WAVE_LANES]; /* the same, at the first bounce */
 
     /* A bounce's random numbers: made for all at once, which costs less than for two of them alone.
      */
@@ -59,9 +60,10 @@ struct wave {
     struct ray rays[WAVE_LANES], shadows[WAVE_LANES];
 };
 
-/* The rays whose bit is set in `which`; their directions are unit. */
+/* The rays whose bit is set in `which`; their directions are unit. rngs: of the paths that start
+ * there, of either of two siblings. */
 void wave_begin(const struct stage *, uint32_t which, const struct ray rays[],
-                struct wave_starts *);
+                const struct rng rngs[], struct wave_starts *);
 
 /* Of a ray that met a surface. */
 struct path_vertex wave_first(const struct stage *, const struct wave_starts *, uint32_t i);
