@@ -94,6 +94,7 @@ enum material_kind {
     MATERIAL_RETROREFLECTOR,
     MATERIAL_LEAF,
     MATERIAL_PLASTIC,
+    MATERIAL_CLOTH,
     MATERIAL_MIX,
     MATERIAL_MASK,
     MATERIAL_TWO_SIDED,
@@ -143,6 +144,10 @@ struct material {
             float ior;   /* of the coat, [1.1, 3] */
             float alpha; /* GGX width of its facets, [0, 1]; 0 is smooth */
         } plastic;
+        struct {
+            rgb albedo, color; /* of the base, of the fibres; [0, 1] */
+            float roughness;   /* of the fibres, [0.1, 1] */
+        } cloth;
         struct {
             uint32_t first, second; /* indices into scene.materials */
             float amount;           /* of the second, [0, 1] */

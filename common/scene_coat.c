@@ -2,6 +2,7 @@
 #include "common/scene_coat.h"
 
 static const struct scene_range fraction = {0, 1, false};
+static const struct scene_range fibres = {0.1, 1, false};
 static const struct scene_range coat_ior = {1.1, 3, false};
 
 void scene_coat_rough_diffuse(const struct scene_params *p, struct material *m)
@@ -46,4 +47,16 @@ void scene_coat_plastic(const struct scene_params *p, struct material *m)
     scene_param_rgb(p, "albedo", fraction, &m->plastic.albedo);
     scene_param_number(p, "ior", coat_ior, &m->plastic.ior);
     scene_param_number(p, "alpha", fraction, &m->plastic.alpha);
+}
+
+void scene_coat_cloth(const struct scene_params *p, struct material *m)
+{
+    static const struct scene_key keys[] = {
+        {"type", true}, {"albedo", true}, {"color", false}, {"roughness", false}};
+    m->cloth.color = rgb_gray(1);
+    m->cloth.roughness = 0.3f;
+    scene_params_of(p, "a cloth", keys, countof(keys));
+    scene_param_rgb(p, "albedo", fraction, &m->cloth.albedo);
+    scene_param_rgb(p, "color", fraction, &m->cloth.color);
+    scene_param_number(p, "roughness", fibres, &m->cloth.roughness);
 }

@@ -55,6 +55,7 @@ static int parts_of(struct material *m, struct part parts[2])
     case MATERIAL_RETROREFLECTOR:
     case MATERIAL_LEAF:
     case MATERIAL_PLASTIC:
+    case MATERIAL_CLOTH:
     case MATERIAL_METAL:
         break;
     }

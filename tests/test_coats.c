@@ -9,12 +9,13 @@
 #include "common/trace/coat.h"
 #include "common/trace/coat_table.h"
 #include "tests/coat_make.h"
+#include "tests/sheen_make.h"
 #include "tests/stat/laws.h"
 #include "tests/stat/scatter.h"
 #include "tests/stat/stat.h"
 #include "tests/tap.h"
 
-enum { ROUGH = 4, RETRO = 4, LEAVES = 2, PLASTICS = 6 };
+enum { ROUGH = 4, RETRO = 4, LEAVES = 2, PLASTICS = 6, CLOTHS = 4 };
 
 static const rgb orange = {.9f, .5f, .1f, 0};
 
@@ -52,6 +53,18 @@ static void plastic_obeys(void)
         snprintf(name, sizeof name, "plastic %g, %g", (double)coat[i].ior, (double)coat[i].alpha);
         laws_obeyed(&(struct material){.kind = MATERIAL_PLASTIC,
                                        .plastic = {orange, coat[i].ior, coat[i].alpha}},
+                    name);
+    }
+}
+
+static void cloth_obeys(void)
+{
+    static const float roughness[CLOTHS] = {.1f, .3f, .6f, 1};
+    char name[32];
+    for (int i = 0; i < CLOTHS; i++) {
+        snprintf(name, sizeof name, "cloth %g", (double)roughness[i]);
+        laws_obeyed(&(struct material){.kind = MATERIAL_CLOTH,
+                                       .cloth = {orange, {.5f, .9f, 1, 0}, roughness[i]}},
                     name);
     }
 }
@@ -160,7 +173,30 @@ static void white_under_coats(void)
        e.most);
 }
 
-/* --- the table --- */
+/* As white_rough: fibres by quadrature, and all that they leave. */
+static void white_cloth(void)
+{
+    enum { STEPS = 2048 };
+    struct extent e = {INFINITY, 0};
+    for (int k = 0; k <= 36; k++) {
+        const float r = 0.1f + 0.025f * (float)k;
+        double mean = 0;
+        for (int i = 0; i < STEPS; i++) {
+            const double root = (i + 0.5) / STEPS, z = root * root;
+            mean += (1 - (double)sheen_albedo(r, (float)z)) * 4 * z * root / STEPS;
+        }
+        for (int i = 0; i < COSINES; i += stat_is_long() ? 1 : 9) {
+            const float z = seen(i)[2];
+            const double all =
+                sheen_make_albedo((double)r, (double)z) +
+                (1 - (double)sheen_albedo(r, z)) * mean / (1 - (double)sheen_mean(r));
+            e = (struct extent){fmin(e.least, all), fmax(e.most, all)};
+        }
+    }
+    ok(e.least > 0.98 && e.most < 1.001, "cloth: white returns %.5f to %.5f", e.least, e.most);
+}
+
+/* --- the tables --- */
 
 static void table_is_the_quadrature(void)
 {
@@ -172,7 +208,14 @@ static void table_is_the_quadrature(void)
         off += coat_table.ratio[n][width][slope] != coat_make_ratio(n, width, slope);
         off += coat_table.mean[n][width] != coat_make_mean(&coat_table, n, width);
     }
-    ok(off == 0, "the table is what tool_coat makes of the quadrature, every %d. entry", step);
+    for (int i = 0; i < SHEEN_WIDTHS * SHEEN_COSINES; i += stat_is_long() ? 1 : 41) {
+        const int width = i / SHEEN_COSINES, cosine = i % SHEEN_COSINES;
+        off += sheen_table.albedo[width][cosine] != sheen_make_entry(width, cosine);
+        off += sheen_table.mean[width] != sheen_make_mean(&sheen_table, width);
+    }
+    ok(off == 0,
+       "the tables are what tool_coat and tool_sheen make of the quadrature, every %d. entry",
+       step);
 }
 
 /* The mean of Fresnel's F over even light, in closed form. */
@@ -204,11 +247,13 @@ static void averages(void)
 
 int main(void)
 {
-    laws_begin(ROUGH + RETRO + LEAVES + PLASTICS);
+    laws_begin(ROUGH + RETRO + LEAVES + PLASTICS + CLOTHS);
     diffuse_obeys();
     plastic_obeys();
+    cloth_obeys();
     whites_return_all();
     white_under_coats();
+    white_cloth();
     averages();
     table_is_the_quadrature();
     return tap_done();

@@ -58,6 +58,21 @@ static void coats(void)
     ok(m[0].kind == MATERIAL_PLASTIC && m[0].plastic.albedo[1] == .5f && m[0].plastic.ior == 1.5f &&
            m[0].plastic.alpha == 0,
        "smooth, and of 1.5, by default");
+    ok(parse("\"a\": {\"type\": \"cloth\", \"albedo\": 0.5}") &&
+           scene.materials[0].kind == MATERIAL_CLOTH && scene.materials[0].cloth.color[0] == 1 &&
+           scene.materials[0].cloth.roughness == .3f,
+       "cloth, velvet by default");
+    ok(parse("\"a\": {\"type\": \"cloth\", \"albedo\": 0.5, \"color\": 0.25, \"roughness\": 1}") &&
+           scene.materials[0].cloth.color[2] == .25f && scene.materials[0].cloth.roughness == 1,
+       "or as it says");
+}
+
+static void plastics(void)
+{
+    ok(parse("\"a\": {\"type\": \"mirror\"}, \"b\": {\"type\": \"plastic\", "
+             "\"albedo\": 1, \"ior\": 1.1, \"alpha\": 0.25}"),
+       "a rough plastic");
+    const struct material *m = scene.materials;
     ok(m[1].plastic.ior == 1.1f && m[1].plastic.alpha == .25f, "or as it says");
 }
 
@@ -91,6 +106,7 @@ int main(void)
 {
     diffuse();
     coats();
+    plastics();
     made_of_others();
     arena_release(&arena);
     return tap_done();

@@ -5,6 +5,7 @@
 #include "common/trace/bsdf_diffuse.h"
 #include "common/trace/bsdf_glass.h"
 #include "common/trace/bsdf_plastic.h"
+#include "common/trace/bsdf_cloth.h"
 #include "common/trace/bsdf_retro.h"
 #include "common/trace/bsdf_metal.h"
 #include "common/trace/fresnel.h"
@@ -87,6 +88,8 @@ rgb bsdf_eval(const struct material *m, vec3 wo, vec3 wi)
         return bsdf_retro_eval(m, wo, wi);
     case MATERIAL_PLASTIC:
         return bsdf_plastic_eval(m, wo, wi);
+    case MATERIAL_CLOTH:
+        return bsdf_cloth_eval(m, wo, wi);
     case MATERIAL_METAL:
         return bsdf_metal_eval(m, wo, wi);
     case MATERIAL_MIRROR:
@@ -126,6 +129,8 @@ float bsdf_pdf_w(const struct material *m, vec3 wo, vec3 wi)
         return bsdf_retro_pdf_w(m, wo, wi);
     case MATERIAL_PLASTIC:
         return bsdf_plastic_pdf_w(m, wo, wi);
+    case MATERIAL_CLOTH:
+        return bsdf_cloth_pdf_w(m, wo, wi);
     case MATERIAL_METAL:
         return bsdf_metal_pdf_w(m, wo, wi);
     case MATERIAL_MIRROR:
@@ -155,6 +160,8 @@ static bool opaque_sample(const struct material *m, vec3 wo, float lobe, struct 
         return bsdf_retro_sample(m, wo, direction, s);
     case MATERIAL_PLASTIC:
         return bsdf_plastic_sample(m, wo, lobe, direction, s);
+    case MATERIAL_CLOTH:
+        return bsdf_cloth_sample(m, wo, lobe, direction, s);
     case MATERIAL_METAL:
         return bsdf_metal_sample(m, wo, lobe, direction, s);
     case MATERIAL_DIELECTRIC:

@@ -35,6 +35,7 @@ static float lobe_width(const struct material *m)
     case MATERIAL_RETROREFLECTOR:
         return m->retro.alpha;
     case MATERIAL_PLASTIC: /* a wide lobe, too */
+    case MATERIAL_CLOTH:
     case MATERIAL_DIFFUSE:
     case MATERIAL_MIRROR:
     case MATERIAL_ROUGH_DIFFUSE:
@@ -54,6 +55,8 @@ static double largest_weight(const struct material *m)
         return 3;
     if (m->kind == MATERIAL_PLASTIC)
         return 40;
+    if (m->kind == MATERIAL_CLOTH)
+        return 3;
     if (m->kind == MATERIAL_ROUGH_DIFFUSE)
         return 1.3;
     return m->kind == MATERIAL_LEAF ? 2.00001 : 1.00001;
