@@ -31,6 +31,7 @@ static const struct row rows[] = {
     ROW(pick_cdf, float),
     ROW(knots, struct stage_knot),
     ROW(lamps, struct stage_lamps),
+    ROW(guide, uint32_t),
     ROW(details, struct stage_detail),
     ROW(corners, struct stage_corners),
     ROW(normals, struct stage_normal),

@@ -323,44 +323,62 @@ void wave_init(struct wave *w, const struct stage *s, uint32_t roulette_begin,
     w->lobe = w->draw.roulette = (f32x8){0};
 }
 
-/* A path from start k into the lane i, which is free. */
-static void begin_path(struct wave *w, uint32_t i, const struct wave_starts *starts, uint32_t k)
+/* Paths from starts k[i] into the lanes i, which are free. */
+static void begin_paths(struct wave *w, uint32_t lanes, const struct wave_starts *starts, u32x8 k)
 {
-    const rgb light = starts->light[k], all = {1, 1, 1, 0};
-    w->going |= 1u << i;
-    if (starts->plain >> k & 1) {
-        w->plain |= 1u << i;
-        vec8_set_lane(&w->lanes.light, i, light);
-        vec8_set_lane(&w->lanes.throughput, i, all);
-        path8_vertex_take(&w->lanes.vertex, i, &starts->lanes, k);
-    } else {
-        w->plain &= ~(1u << i);
-        w->paths[i].light = light;
-        w->paths[i].throughput = all;
-        w->paths[i].vertex = starts->vertices[k];
+    const i32x8 m = i32x8_of_bits(lanes);
+    const f32x8 one = f32x8_splat(1);
+    w->going |= lanes;
+    w->plain &= ~lanes;
+    w->bounce = (u32x8)((i32x8)w->bounce & ~m);
+    w->lanes.light = vec8_take(m, vec8_gather(starts->light), k, w->lanes.light);
+    w->lanes.throughput = vec8_choose(m, (struct vec8){one, one, one}, w->lanes.throughput);
+    path8_vertex_take(&w->lanes.vertex, m, &starts->lanes, k);
+    for (; lanes; lanes &= lanes - 1) {
+        const uint32_t i = lowest(lanes), start = k[i];
+        if (starts->plain >> start & 1) {
+            w->plain |= 1u << i;
+            continue;
+        }
+        w->paths[i].light = starts->light[start];
+        w->paths[i].throughput = rgb_gray(1);
+        w->paths[i].vertex = starts->vertices[start];
     }
+}
+
+/* Those of which nothing else comes. */
+static void end_paths(struct wave *w, uint32_t which, const struct wave_starts *starts,
+                      uint32_t number)
+{
+    for (; which; which &= which - 1)
+        w->radiance[number + lowest(which)] = starts->light[lowest(which)];
 }
 
 void wave_put(struct wave *w, uint32_t which, const struct wave_starts *starts,
               const struct rng rngs[], uint32_t number)
 {
-    for (; which; which &= which - 1) {
-        const uint32_t k = lowest(which);
-        const bool ends = starts->ends >> k & 1;
-        if (w->terms)
-            note_terms(w->terms, 0, ends, number + k, starts->light[k]);
-        if (ends) {
-            w->radiance[number + k] = starts->light[k];
-            continue;
-        }
-        while (w->going == (1u << WAVE_LANES) - 1)
+    for (uint32_t left = w->terms ? which : 0; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        note_terms(w->terms, 0, starts->ends >> i & 1, number + i, starts->light[i]);
+    }
+    end_paths(w, which & starts->ends, starts, number);
+    which &= ~starts->ends;
+    while (which) {
+        const uint32_t all = (1u << WAVE_LANES) - 1;
+        uint32_t taken = 0;
+        u32x8 k = {0};
+        while (w->going == all)
             step(w);
-        const uint32_t i = lowest(~w->going);
-        begin_path(w, i, starts, k);
-        w->number[i] = number + k;
-        w->bounce[i] = 0;
-        rng8_set_lane(&w->rng, i, &rngs[k]);
-        w->rngs[i] = rngs[k];
+        for (uint32_t free = all & ~w->going; free && which; free &= free - 1) {
+            const uint32_t i = lowest(free), start = lowest(which);
+            which &= which - 1;
+            taken |= 1u << i;
+            k[i] = start;
+            w->number[i] = number + start;
+            rng8_set_lane(&w->rng, i, &rngs[start]);
+            w->rngs[i] = rngs[start];
+        }
+        begin_paths(w, taken, starts, k);
     }
 }
 
