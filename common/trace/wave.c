@@ -70,9 +70,13 @@ void wave_begin(const struct stage *s, uint32_t which, const struct ray rays[],
     const uint32_t found = bvh_hit_closest_8(s, which, rays, hits);
     starts->met = found;
     starts->ends = s->settings.max_bounces == 0 ? which : which & ~found;
-    starts->plain = path8_arrive(s, found, rays, hits, &starts->lanes);
+    starts->plain = s->media ? 0 : path8_arrive(s, found, rays, hits, &starts->lanes);
     for (uint32_t left = which; left; left &= left - 1) {
         const uint32_t i = lowest(left), bit = 1u << i;
+        if (s->media) {
+            starts->rays[i] = rays[i];
+            starts->hits[i] = hits[i];
+        }
         starts->light[i] = found & bit ? rgb_gray(0) : path_beyond(s, rays[i].dir, 0);
         if (found & bit & ~starts->plain)
             starts->vertices[i] = path_vertex_make(s, &rays[i], &hits[i]);
@@ -204,12 +208,34 @@ static void find_emission(struct wave *w, const struct path8_vertex *at, uint32_
     vec8_set_lane(&w->lanes.light, i, p.light);
 }
 
+static uint32_t not_cut(const struct wave *w)
+{
+    return i32x8_mask(w->bounce + 1 < w->stage->settings.max_bounces);
+}
+
+/* There no vertex is plain. */
+static void arrive_in_media(struct wave *w, uint32_t which, uint32_t found,
+                            const struct ray_hit hits[])
+{
+    w->going = 0;
+    for (; which; which &= which - 1) {
+        const uint32_t i = lowest(which);
+        const struct ray_hit *hit = found >> i & 1 ? &hits[i] : NULL;
+        w->going |= (uint32_t)path_media_arrive(w->stage, &w->paths[i], &w->rays[i], hit) << i;
+    }
+    w->going &= not_cut(w);
+}
+
 static void arrive(struct wave *w, uint32_t which)
 {
     const struct stage *s = w->stage;
     struct ray_hit hits[WAVE_LANES];
     struct path8_vertex at;
     const uint32_t found = bvh_hit_closest_8(s, which, w->rays, hits);
+    if (s->media) {
+        arrive_in_media(w, which, found, hits);
+        return;
+    }
     leave_scene(w, which & ~found);
     const uint32_t plain = path8_arrive(s, found, w->rays, hits, &at);
     for (uint32_t left = found & ~plain; left; left &= left - 1) {
@@ -225,7 +251,7 @@ static void arrive(struct wave *w, uint32_t which)
         find_emission(w, &at, lowest(left));
     if (plain)
         w->lanes.vertex = at;
-    w->going = found & i32x8_mask(w->bounce + 1 < s->settings.max_bounces);
+    w->going = found & not_cut(w);
 }
 
 /* --- the way of a path --- */
@@ -283,10 +309,51 @@ static void begin_path(struct wave *w, uint32_t i, const struct wave_starts *sta
         path8_vertex_take(&w->lanes.vertex, i, &starts->lanes, k);
     } else {
         w->plain &= ~(1u << i);
+        w->paths[i].media = NULL;
         w->paths[i].light = light;
         w->paths[i].throughput = all;
         w->paths[i].vertex = starts->vertices[k];
     }
+}
+
+static uint32_t free_lane(struct wave *w)
+{
+    while (w->going == (1u << WAVE_LANES) - 1)
+        step(w);
+    return lowest(~w->going);
+}
+
+/* In a scene with media the light of the camera ray itself is the path's. */
+static bool begin_in_media(struct wave *w, uint32_t i, const struct wave_starts *starts, uint32_t k,
+                           uint32_t number)
+{
+    struct path *p = &w->paths[i];
+    p->media = &w->media[i];
+    p->light = rgb_gray(0);
+    p->throughput = (rgb){1, 1, 1, 0};
+    p->vertex.at.p = starts->rays[k].origin;
+    const struct ray_hit *hit = starts->met >> k & 1 ? &starts->hits[k] : NULL;
+    const bool goes_on =
+        path_media_begin(w->stage, p, &starts->rays[k], hit) && w->stage->settings.max_bounces > 0;
+    w->going |= (uint32_t)goes_on << i;
+    w->plain &= ~(1u << i);
+    if (w->terms)
+        note_terms(w->terms, 0, !goes_on, number, p->light);
+    if (!goes_on)
+        w->radiance[number] = p->light;
+    return goes_on;
+}
+
+/* The light of the camera ray is known. */
+static bool begin_plainly(struct wave *w, const struct wave_starts *starts, uint32_t k,
+                          uint32_t number)
+{
+    const bool ends = starts->ends >> k & 1;
+    if (w->terms)
+        note_terms(w->terms, 0, ends, number, starts->light[k]);
+    if (ends)
+        w->radiance[number] = starts->light[k];
+    return !ends;
 }
 
 void wave_put(struct wave *w, uint32_t which, const struct wave_starts *starts,
@@ -294,17 +361,17 @@ void wave_put(struct wave *w, uint32_t which, const struct wave_starts *starts,
 {
     for (; which; which &= which - 1) {
         const uint32_t k = lowest(which);
-        const bool ends = starts->ends >> k & 1;
-        if (w->terms)
-            note_terms(w->terms, 0, ends, number + k, starts->light[k]);
-        if (ends) {
-            w->radiance[number + k] = starts->light[k];
-            continue;
+        uint32_t i;
+        if (w->stage->media) {
+            i = free_lane(w);
+            if (!begin_in_media(w, i, starts, k, number + k))
+                continue;
+        } else {
+            if (!begin_plainly(w, starts, k, number + k))
+                continue;
+            i = free_lane(w);
+            begin_path(w, i, starts, k);
         }
-        while (w->going == (1u << WAVE_LANES) - 1)
-            step(w);
-        const uint32_t i = lowest(~w->going);
-        begin_path(w, i, starts, k);
         w->number[i] = number + k;
         w->bounce[i] = 0;
         rng8_set_lane(&w->rng, i, &rngs[k]);
