@@ -109,10 +109,17 @@ enum material_needs {
     MATERIAL_NEEDS_COLOR = 4,   /* the mesh's vertex colours */
 };
 
+/* What lies behind the surface of a dielectric. */
+struct inside {
+    rgb absorption;    /* 1/m, [0, 1e9] */
+    uint32_t priority; /* where bodies overlap, the highest counts; 0: none given */
+};
+
 struct material {
     const char *name;
     enum material_kind kind;
     uint32_t needs; /* enum material_needs, or-ed */
+    struct inside inside;
     union {
         struct {
             rgb albedo; /* [0, 1] */

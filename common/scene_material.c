@@ -23,15 +23,6 @@ static void read_mirror(const struct scene_params *p, struct material *m)
     scene_param_rgb(p, "reflectance", fraction, &m->mirror.reflectance);
 }
 
-static void read_dielectric(const struct scene_params *p, struct material *m)
-{
-    static const struct scene_key keys[] = {{"type", true}, {"ior", true}, {"alpha", false}};
-    m->dielectric.ior = 1;
-    scene_params_of(p, "a dielectric material", keys, countof(keys));
-    scene_param_number(p, "ior", (struct scene_range){1, 4, false}, &m->dielectric.ior);
-    scene_param_number(p, "alpha", fraction, &m->dielectric.alpha);
-}
-
 static const char *const material_names[] = {
     [MATERIAL_DIFFUSE] = "diffuse",
     [MATERIAL_MIRROR] = "mirror",
@@ -63,7 +54,7 @@ static void read_material(struct scene_doc *doc, const struct scene_at *at, stru
         read_mirror(&p, m);
         return;
     case MATERIAL_DIELECTRIC:
-        read_dielectric(&p, m);
+        scene_specular_dielectric(&p, m);
         return;
     case MATERIAL_CONDUCTOR:
         scene_specular_conductor(&p, m);

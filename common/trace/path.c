@@ -3,6 +3,7 @@
 
 #include "common/trace/bsdf.h"
 #include "common/trace/light.h"
+#include "common/trace/path_media.h"
 #include "common/trace/warp.h"
 
 /* The power heuristic with exponent 2 for the technique of density a beside one of density b. As a
@@ -75,6 +76,8 @@ bool path_light_directly(const struct stage *s, const struct path *p, struct sob
     f *= sample.value;
     if (sample.pdf_w != 0)
         f *= mis_weight(sample.pdf_w, bsdf_pdf_w(m, v->wo, wi));
+    if (p->media)
+        f *= path_media_passed(s, p, wi, &sample.shadow);
     *shadow = sample.shadow;
     *light = p->throughput * f;
     return true;
@@ -102,6 +105,8 @@ bool path_scatter(struct path *p, const struct path_draw *draw, struct ray *ray)
             p->throughput /= q;
         }
     }
+    if (p->media)
+        path_media_leave(p, next.wi);
     *ray = surface_leave(&v->at, dir);
     return true;
 }

@@ -26,7 +26,10 @@ struct path_vertex { /* where a ray has arrived */
     vec3 wo; /* where the ray came from; local */
 };
 
+struct path_media;
+
 struct path {
+    struct path_media *media; /* NULL: the scene has none (path_media.h) */
     rgb light; /* found so far */
     rgb throughput;
     float scale; /* what roulette divides out of throughput; from the first scattering on */

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/trace/light8.h"
+#include "common/trace/medium.h"
 #include "common/trace/prep_plan.h"
 
 /* A panorama looks everywhere: its depth is the distance. */
@@ -166,6 +167,13 @@ static void write_trees(const struct prep_plan *p, unsigned char *block, const s
     }
 }
 
+/* Of a stage that is whole but for this. */
+static void surround_camera(struct stage *s)
+{
+    if (s->media)
+        s->around = medium_around(s, vec3_load(s->view.position));
+}
+
 /* References to nodes and blocks have 28 bits. */
 static bool check_lines(const struct prep_plan *p, struct err *err)
 {
@@ -190,6 +198,7 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
     p.head.struct_bytes = sizeof p.head;
     p.head.film = scene->film;
     p.head.settings = scene->settings;
+    p.head.media = medium_uses(scene);
     prep_shapes(&p, crew);
     prep_lights(&p);
     survey_materials(&p);
@@ -207,6 +216,7 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
         if (p.head.lamps.count)
             light8_lamps((const struct stage *)(const void *)block,
                          (struct stage_lamps *)(void *)(block + p.head.lamps.offset));
+        surround_camera((struct stage *)(void *)block);
         *stage = (const struct stage *)(const void *)block;
     }
     for (uint32_t i = 0; i < p.tree_count; i++)

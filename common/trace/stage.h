@@ -193,6 +193,15 @@ struct stage_view { /* what depth is measured along */
     float direction[3]; /* unit; 0: none, depth is the distance */
 };
 
+/* Bodies around a point: materials, in the order in which they were entered (medium.h). */
+enum { STAGE_BODIES = 8 };
+
+struct stage_bodies {
+    uint32_t count;
+    uint32_t missed; /* entered when there was no room for them */
+    uint32_t material[STAGE_BODIES];
+};
+
 struct stage {
     char magic[8];         /* STAGE_MAGIC */
     uint32_t version;      /* STAGE_VERSION */
@@ -214,6 +223,9 @@ struct stage {
     uint32_t wrapped, masked; /* 1: there are materials made of others; among them masks */
     uint32_t guide_shift;
     uint32_t far_begin, beyond_begin; /* among the emitters: see there */
+
+    uint32_t media;             /* what the scene uses of medium.h */
+    struct stage_bodies around; /* the camera, when media is not 0 */
 
     /* Only spans from here to the end: stage_check knows them by their place. */
     struct stage_span shapes; /* struct stage_shape, and one more, whose prim_begin is prim_count */

@@ -80,6 +80,7 @@ static uint32_t begin_behind(const struct stage *s, const struct rng rngs[], uin
 void wave_begin(const struct stage *s, uint32_t which, const struct ray rays[],
                 const struct rng rngs[], struct wave_starts *starts)
 {
+    const struct ray *asked = rays;
     struct ray passed[WAVE_LANES];
     struct ray_hit hits[WAVE_LANES];
     uint32_t found = bvh_hit_closest_8(s, which, rays, hits);
@@ -90,9 +91,14 @@ void wave_begin(const struct stage *s, uint32_t which, const struct ray rays[],
     }
     starts->met = found;
     starts->ends = s->settings.max_bounces == 0 ? which : which & ~found;
-    starts->plain = path8_arrive(s, found, rays, hits, &starts->lanes);
+    starts->plain = s->media ? 0 : path8_arrive(s, found, rays, hits, &starts->lanes);
     for (uint32_t left = which; left; left &= left - 1) {
         const uint32_t i = lowest(left), bit = 1u << i;
+        if (s->media) {
+            starts->origins[i] = asked[i].origin;
+            starts->rays[i] = rays[i];
+            starts->hits[i] = hits[i];
+        }
         starts->light[i] = found & bit ? rgb_gray(0) : path_beyond(s, rays[i].dir, 0);
         if (found & bit & ~starts->plain)
             starts->vertices[i] = path_vertex_make(s, &rays[i], &hits[i]);
@@ -252,6 +258,24 @@ static void find_emission(struct wave *w, const struct path8_vertex *at, uint32_
     vec8_set_lane(&w->lanes.light, i, p.light);
 }
 
+static uint32_t not_cut(const struct wave *w)
+{
+    return i32x8_mask(w->bounce + 1 < w->stage->settings.max_bounces);
+}
+
+/* There no vertex is plain. */
+static void arrive_in_media(struct wave *w, uint32_t which, uint32_t found,
+                            const struct ray_hit hits[])
+{
+    w->going = 0;
+    for (; which; which &= which - 1) {
+        const uint32_t i = lowest(which);
+        const struct ray_hit *hit = found >> i & 1 ? &hits[i] : NULL;
+        w->going |= (uint32_t)path_media_arrive(w->stage, &w->paths[i], &w->rays[i], hit) << i;
+    }
+    w->going &= not_cut(w);
+}
+
 static void arrive(struct wave *w, uint32_t which)
 {
     const struct stage *s = w->stage;
@@ -260,6 +284,10 @@ static void arrive(struct wave *w, uint32_t which)
     uint32_t found = bvh_hit_closest_8(s, which, w->rays, hits);
     if (s->masked)
         found = path_mask_pass(s, w->rngs, w->bounce + 1, found, w->rays, hits);
+    if (s->media) {
+        arrive_in_media(w, which, found, hits);
+        return;
+    }
     leave_scene(w, which & ~found);
     const uint32_t plain = path8_arrive(s, found, w->rays, hits, &at);
     for (uint32_t left = found & ~plain; left; left &= left - 1) {
@@ -275,7 +303,7 @@ static void arrive(struct wave *w, uint32_t which)
         find_emission(w, &at, lowest(left));
     if (plain)
         w->lanes.vertex = at;
-    w->going = found & i32x8_mask(w->bounce + 1 < s->settings.max_bounces);
+    w->going = found & not_cut(w);
 }
 
 /* --- the way of a path --- */
@@ -340,6 +368,7 @@ static void begin_paths(struct wave *w, uint32_t lanes, const struct wave_starts
             w->plain |= 1u << i;
             continue;
         }
+        w->paths[i].media = NULL;
         w->paths[i].light = starts->light[start];
         w->paths[i].throughput = rgb_gray(1);
         w->paths[i].vertex = starts->vertices[start];
@@ -354,9 +383,52 @@ static void end_paths(struct wave *w, uint32_t which, const struct wave_starts *
         w->radiance[number + lowest(which)] = starts->light[lowest(which)];
 }
 
+/* In a scene with media the light of the camera ray itself is the path's. False: it ends with it.
+ */
+static bool begin_in_media(struct wave *w, uint32_t i, const struct wave_starts *starts, uint32_t k,
+                           uint32_t number)
+{
+    struct path *p = &w->paths[i];
+    p->media = &w->media[i];
+    p->light = rgb_gray(0);
+    p->throughput = rgb_gray(1);
+    p->vertex.at.p = starts->origins[k];
+    const struct ray_hit *hit = starts->met >> k & 1 ? &starts->hits[k] : NULL;
+    const bool goes_on =
+        path_media_begin(w->stage, p, &starts->rays[k], hit) && w->stage->settings.max_bounces > 0;
+    w->going |= (uint32_t)goes_on << i;
+    w->plain &= ~(1u << i);
+    if (w->terms)
+        note_terms(w->terms, 0, !goes_on, number, p->light);
+    if (!goes_on)
+        w->radiance[number] = p->light;
+    return goes_on;
+}
+
+static void put_in_media(struct wave *w, uint32_t which, const struct wave_starts *starts,
+                         const struct rng rngs[], uint32_t number)
+{
+    for (; which; which &= which - 1) {
+        const uint32_t k = lowest(which);
+        while (w->going == (1u << WAVE_LANES) - 1)
+            step(w);
+        const uint32_t i = lowest(~w->going);
+        if (!begin_in_media(w, i, starts, k, number + k))
+            continue;
+        w->number[i] = number + k;
+        w->bounce[i] = 0;
+        rng8_set_lane(&w->rng, i, &rngs[k]);
+        w->rngs[i] = rngs[k];
+    }
+}
+
 void wave_put(struct wave *w, uint32_t which, const struct wave_starts *starts,
               const struct rng rngs[], uint32_t number)
 {
+    if (w->stage->media) {
+        put_in_media(w, which, starts, rngs, number);
+        return;
+    }
     for (uint32_t left = w->terms ? which : 0; left; left &= left - 1) {
         const uint32_t i = lowest(left);
         note_terms(w->terms, 0, starts->ends >> i & 1, number + i, starts->light[i]);

@@ -15,6 +15,7 @@
 #include "common/layers.h"
 #include "common/trace/path.h"
 #include "common/trace/path8.h"
+#include "common/trace/path_media.h"
 #include "common/trace/rng.h"
 
 enum { WAVE_LANES = 8 };
@@ -27,6 +28,10 @@ struct wave_starts {
     rgb light[WAVE_LANES]; /* of the sky, or of the vertex itself */
     struct path8_vertex lanes;
     struct path_vertex vertices[WAVE_LANES]; /* those that are not plain */
+    /* In a scene with media alone: what each path starts with anew. */
+    vec3 origins[WAVE_LANES];    /* of the camera rays */
+    struct ray rays[WAVE_LANES]; /* behind what masks let them through */
+    struct ray_hit hits[WAVE_LANES];
 };
 
 /* light[k][n]: of the light that path n finds, what was scattered at most k times. */
@@ -46,7 +51,8 @@ struct wave {
     uint32_t plain; /* where the path is: in lanes, or in paths */
     struct path8 lanes;
     struct path paths[WAVE_LANES];
-    uint32_t number[WAVE_LANES]; /* the path's */
+    struct path_media media[WAVE_LANES]; /* of paths in a scene with media */
+    uint32_t number[WAVE_LANES];         /* the path's */
     u32x8 bounce;
     struct rng8 rng;             /* at the bounce where the lane is */
     struct rng rngs[WAVE_LANES]; /* the same, at the first bounce */
