@@ -46,7 +46,13 @@ enum {
     SCENE_MAX_SPP = 1 << 24,
 };
 
-enum filter_kind { FILTER_BOX, FILTER_TENT };
+enum filter_kind {
+    FILTER_BOX,
+    FILTER_TENT,
+    FILTER_GAUSSIAN,
+    FILTER_BLACKMAN_HARRIS,
+    FILTER_MITCHELL
+};
 
 struct scene_film {
     uint32_t width_px, height_px; /* >= 1; the whole frame */
@@ -54,6 +60,8 @@ struct scene_film {
     uint32_t crop_x_begin, crop_y_begin, crop_x_end, crop_y_end;
     enum filter_kind filter;
     float filter_radius_px; /* half width: box .5 is one pixel, tent 1 reaches the neighbours */
+    float filter_sigma_px;      /* GAUSSIAN */
+    float filter_b, filter_c;   /* MITCHELL, [0, 1] */
     uint32_t layers;        /* layers.h; 0: the image alone */
 };
 
@@ -82,6 +90,14 @@ enum material_kind {
     MATERIAL_MIRROR,
     MATERIAL_DIELECTRIC,
     MATERIAL_CONDUCTOR,
+    MATERIAL_ROUGH_DIFFUSE,
+    MATERIAL_RETROREFLECTOR,
+    MATERIAL_LEAF,
+    MATERIAL_PLASTIC,
+    MATERIAL_CLOTH,
+    MATERIAL_MIX,
+    MATERIAL_MASK,
+    MATERIAL_TWO_SIDED,
     /* From here on without a name in documents. */
     MATERIAL_METAL, /* a "conductor" that asks for more than MATERIAL_CONDUCTOR has */
 };
@@ -93,10 +109,17 @@ enum material_needs {
     MATERIAL_NEEDS_COLOR = 4,   /* the mesh's vertex colours */
 };
 
+/* What lies behind the surface of a dielectric. */
+struct inside {
+    rgb absorption;    /* 1/m, [0, 1e9] */
+    uint32_t priority; /* where bodies overlap, the highest counts; 0: none given */
+};
+
 struct material {
     const char *name;
     enum material_kind kind;
     uint32_t needs; /* enum material_needs, or-ed */
+    struct inside inside;
     union {
         struct {
             rgb albedo; /* [0, 1] */
@@ -112,6 +135,37 @@ struct material {
             rgb eta, k;  /* complex index of refraction per channel, eta > 0, k >= 0 */
             float alpha; /* GGX width, [0, 1]; 0 is a perfect mirror with conductor Fresnel */
         } conductor;
+        struct {
+            rgb albedo;      /* [0, 1] */
+            float roughness; /* [0, 1]; 0 is Lambertian */
+        } rough_diffuse;
+        struct {
+            rgb reflectance; /* [0, 1] */
+            float alpha;     /* GGX width, [0, 1]; 0 sends light back exactly */
+        } retro;
+        struct {
+            rgb reflectance, transmittance; /* sum in [0, 1] */
+        } leaf;
+        struct {
+            rgb albedo;  /* of the base, [0, 1] */
+            float ior;   /* of the coat, [1.1, 3] */
+            float alpha; /* GGX width of its facets, [0, 1]; 0 is smooth */
+        } plastic;
+        struct {
+            rgb albedo, color; /* of the base, of the fibres; [0, 1] */
+            float roughness;   /* of the fibres, [0.1, 1] */
+        } cloth;
+        struct {
+            uint32_t first, second; /* indices into scene.materials */
+            float amount;           /* of the second, [0, 1] */
+        } mix;
+        struct {
+            uint32_t of;   /* the material where there is one */
+            float opacity; /* [0, 1]; 0: nothing is there, rays go straight on */
+        } mask;
+        struct {
+            uint32_t front, back; /* both opaque */
+        } two_sided;
         struct {
             rgb eta, k;              /* as a conductor's */
             float alpha_x, alpha_y;  /* GGX width along the x axis of the local frame and across */

@@ -1,7 +1,9 @@
 /* Materials.
  * SPDX-License-Identifier: MIT */
+#include "common/scene_coat.h"
 #include "common/scene_param.h"
 #include "common/scene_read.h"
+#include "common/scene_wrap.h"
 #include "common/scene_specular.h"
 
 static const struct scene_range fraction = {0, 1, false};
@@ -21,20 +23,19 @@ static void read_mirror(const struct scene_params *p, struct material *m)
     scene_param_rgb(p, "reflectance", fraction, &m->mirror.reflectance);
 }
 
-static void read_dielectric(const struct scene_params *p, struct material *m)
-{
-    static const struct scene_key keys[] = {{"type", true}, {"ior", true}, {"alpha", false}};
-    m->dielectric.ior = 1;
-    scene_params_of(p, "a dielectric material", keys, countof(keys));
-    scene_param_number(p, "ior", (struct scene_range){1, 4, false}, &m->dielectric.ior);
-    scene_param_number(p, "alpha", fraction, &m->dielectric.alpha);
-}
-
 static const char *const material_names[] = {
     [MATERIAL_DIFFUSE] = "diffuse",
     [MATERIAL_MIRROR] = "mirror",
     [MATERIAL_DIELECTRIC] = "dielectric",
     [MATERIAL_CONDUCTOR] = "conductor",
+    [MATERIAL_ROUGH_DIFFUSE] = "rough_diffuse",
+    [MATERIAL_RETROREFLECTOR] = "retroreflector",
+    [MATERIAL_LEAF] = "leaf",
+    [MATERIAL_PLASTIC] = "plastic",
+    [MATERIAL_CLOTH] = "cloth",
+    [MATERIAL_MIX] = "mix",
+    [MATERIAL_MASK] = "mask",
+    [MATERIAL_TWO_SIDED] = "two_sided",
 };
 _Static_assert(countof(material_names) == MATERIAL_METAL, "kinds that have no name come last");
 
@@ -53,10 +54,34 @@ static void read_material(struct scene_doc *doc, const struct scene_at *at, stru
         read_mirror(&p, m);
         return;
     case MATERIAL_DIELECTRIC:
-        read_dielectric(&p, m);
+        scene_specular_dielectric(&p, m);
         return;
     case MATERIAL_CONDUCTOR:
         scene_specular_conductor(&p, m);
+        return;
+    case MATERIAL_ROUGH_DIFFUSE:
+        scene_coat_rough_diffuse(&p, m);
+        return;
+    case MATERIAL_RETROREFLECTOR:
+        scene_coat_retroreflector(&p, m);
+        return;
+    case MATERIAL_LEAF:
+        scene_coat_leaf(&p, m);
+        return;
+    case MATERIAL_PLASTIC:
+        scene_coat_plastic(&p, m);
+        return;
+    case MATERIAL_CLOTH:
+        scene_coat_cloth(&p, m);
+        return;
+    case MATERIAL_MIX:
+        scene_wrap_mix(&p, m);
+        return;
+    case MATERIAL_MASK:
+        scene_wrap_mask(&p, m);
+        return;
+    case MATERIAL_TWO_SIDED:
+        scene_wrap_two_sided(&p, m);
         return;
     case MATERIAL_METAL:
         break;
@@ -77,5 +102,6 @@ struct scene_names scene_read_materials(struct scene_doc *doc, const struct scen
         read_material(doc, &member, &scene->materials[i]);
     }
     scene_names_close(&names);
+    scene_wrap_bind(doc, at, &names, scene);
     return names;
 }

@@ -71,20 +71,17 @@ static void read_flag(const struct scene_params *p, const char *key, bool *out)
         scene_doc_expected(p->doc, &at, ERR_INPUT, "true or false");
 }
 
-/* One width, or one along the tangent and one across. */
-static void read_widths(const struct scene_params *p, float widths[2])
+/* Two widths, one along the tangent and one across: whether they are given as two. */
+static bool read_widths(const struct scene_params *p, float widths[2])
 {
     struct scene_at at;
-    double both[2];
-    if (!scene_at_member(p->at, "alpha", &at))
-        return;
-    if (scene_at_type(&at) != SCENE_ARRAY) {
-        scene_param_number(p, "alpha", fraction, &widths[0]);
-        widths[1] = widths[0];
-    } else if (scene_doc_numbers(p->doc, &at, fraction, both, 2)) {
-        widths[0] = (float)both[0];
-        widths[1] = (float)both[1];
-    }
+    double both[2] = {0, 0};
+    if (!scene_at_member(p->at, "alpha", &at) || scene_at_type(&at) != SCENE_ARRAY)
+        return false;
+    scene_doc_numbers(p->doc, &at, fraction, both, 2);
+    widths[0] = (float)both[0];
+    widths[1] = (float)both[1];
+    return true;
 }
 
 static void read_turn(const struct scene_params *p, float *cos, float *sin)
@@ -99,6 +96,33 @@ static void read_turn(const struct scene_params *p, float *cos, float *sin)
 
 /* --- the materials --- */
 
+void scene_specular_dielectric(const struct scene_params *p, struct material *m)
+{
+    static const struct scene_key keys[] = {{"type", true},
+                                            {"ior", true},
+                                            {"alpha", false},
+                                            {"absorption", false},
+                                            {"priority", false}};
+    uint64_t priority = 0;
+    m->dielectric.ior = 1;
+    scene_params_of(p, "a dielectric material", keys, countof(keys));
+    scene_param_number(p, "ior", (struct scene_range){1, 4, false}, &m->dielectric.ior);
+    scene_param_number(p, "alpha", fraction, &m->dielectric.alpha);
+    scene_key_rgb(p->doc, p->at, "absorption", (struct scene_range){0, 1e9, false},
+                  &m->inside.absorption);
+    scene_key_integer(p->doc, p->at, "priority", (struct scene_range){1, 1000, false}, &priority);
+    m->inside.priority = (uint32_t)priority;
+}
+
+static void read_constants(const struct scene_params *p, rgb *eta, rgb *k)
+{
+    struct scene_at name;
+    scene_param_rgb(p, "eta", (struct scene_range){1e-3, 100, false}, eta);
+    scene_param_rgb(p, "k", (struct scene_range){0, 100, false}, k);
+    if (scene_at_member(p->at, "metal", &name))
+        read_metal(p, &name, eta, k);
+}
+
 void scene_specular_conductor(const struct scene_params *p, struct material *m)
 {
     struct scene_at name;
@@ -106,23 +130,30 @@ void scene_specular_conductor(const struct scene_params *p, struct material *m)
     const struct scene_key keys[] = {
         {"type", true},  {"metal", false},        {"eta", !named},        {"k", !named},
         {"alpha", true}, {"rotation_deg", false}, {"multiscatter", false}};
-    struct material all = {.name = m->name, .kind = MATERIAL_METAL};
-    float widths[2] = {0, 0};
+    float widths[2] = {0, 0}, turn_cos, turn_sin;
+    bool multiscatter = false;
     scene_params_of(p, "a conductor material", keys, countof(keys));
-    scene_param_rgb(p, "eta", (struct scene_range){1e-3, 100, false}, &all.metal.eta);
-    scene_param_rgb(p, "k", (struct scene_range){0, 100, false}, &all.metal.k);
-    if (named)
-        read_metal(p, &name, &all.metal.eta, &all.metal.k);
-    read_widths(p, widths);
-    read_turn(p, &all.metal.turn_cos, &all.metal.turn_sin);
-    read_flag(p, "multiscatter", &all.metal.multiscatter);
-    all.metal.alpha_x = widths[0];
-    all.metal.alpha_y = widths[1];
-    *m = all;
-    if (widths[0] != widths[1] || all.metal.multiscatter)
+    const bool two = read_widths(p, widths);
+    read_turn(p, &turn_cos, &turn_sin);
+    read_flag(p, "multiscatter", &multiscatter);
+    if (widths[0] == widths[1] && !multiscatter) {
+        m->kind = MATERIAL_CONDUCTOR;
+        m->conductor.alpha = widths[0];
+        if (!two)
+            scene_param_number(p, "alpha", fraction, &m->conductor.alpha);
+        read_constants(p, &m->conductor.eta, &m->conductor.k);
         return;
-    m->kind = MATERIAL_CONDUCTOR;
-    m->conductor.eta = all.metal.eta;
-    m->conductor.k = all.metal.k;
-    m->conductor.alpha = widths[0];
+    }
+    m->kind = MATERIAL_METAL;
+    m->metal.alpha_x = widths[0];
+    m->metal.alpha_y = widths[1];
+    if (!two) {
+        scene_param_number(p, "alpha", fraction, &m->metal.alpha_x);
+        m->metal.alpha_y = m->metal.alpha_x;
+    }
+    m->metal.turn_cos = turn_cos;
+    m->metal.turn_sin = turn_sin;
+    m->metal.multiscatter = multiscatter;
+    m->needs |= widths[0] != widths[1] ? MATERIAL_NEEDS_TANGENT : 0;
+    read_constants(p, &m->metal.eta, &m->metal.k);
 }

@@ -1,7 +1,7 @@
 /* path.c, render.c: the integrator against the naive one, roulette, invariance, invalid samples,
  * accumulation, and the truth of the stated standard error.
  * SPDX-License-Identifier: MIT */
-#include "common/trace/path.h"
+#include "common/trace/wave.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -96,10 +96,13 @@ static void agrees_with_naive(float alpha, const char *name)
 static double luminance_along(const struct stage *stage, struct ray ray, const struct rng *rng,
                               uint32_t roulette_begin)
 {
-    struct path_starts start;
+    struct wave_starts start;
+    struct wave wave;
     rgb radiance;
-    path_begin(stage, 1, &ray, &start);
-    path_radiance(stage, 1, &start, rng, roulette_begin, NULL, &radiance);
+    wave_begin(stage, 1, &ray, rng, &start);
+    wave_init(&wave, stage, roulette_begin, NULL, &radiance);
+    wave_put(&wave, 1, &start, rng, 0);
+    wave_finish(&wave);
     return (double)rgb_luminance(radiance);
 }
 
