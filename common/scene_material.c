@@ -41,6 +41,7 @@ static const char *const material_names[] = {
     [MATERIAL_RETROREFLECTOR] = "retroreflector",
     [MATERIAL_LEAF] = "leaf",
     [MATERIAL_PLASTIC] = "plastic",
+    [MATERIAL_PRINCIPLED] = "principled",
     [MATERIAL_CLOTH] = "cloth",
     [MATERIAL_MIX] = "mix",
     [MATERIAL_MASK] = "mask",
@@ -79,6 +80,9 @@ static void read_material(struct scene_doc *doc, const struct scene_at *at, stru
         return;
     case MATERIAL_PLASTIC:
         scene_coat_plastic(&p, m);
+        return;
+    case MATERIAL_PRINCIPLED:
+        scene_coat_principled(&p, m);
         return;
     case MATERIAL_CLOTH:
         scene_coat_cloth(&p, m);

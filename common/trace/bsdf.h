@@ -49,6 +49,7 @@ static inline bool bsdf_is_delta(const struct material *m)
     case MATERIAL_ROUGH_DIFFUSE:
     case MATERIAL_LEAF:
     case MATERIAL_PLASTIC:
+    case MATERIAL_PRINCIPLED:
     case MATERIAL_CLOTH:
         return false;
     case MATERIAL_MIX: /* looked through before (material.h) */
@@ -65,8 +66,8 @@ static inline bool bsdf_is_delta(const struct material *m)
 static inline bool bsdf_has_lobes(const struct material *m)
 {
     const uint32_t lobed = 1u << MATERIAL_DIELECTRIC | 1u << MATERIAL_ROUGH_DIFFUSE |
-                           1u << MATERIAL_LEAF | 1u << MATERIAL_PLASTIC | 1u << MATERIAL_CLOTH |
-                           1u << MATERIAL_METAL;
+                           1u << MATERIAL_LEAF | 1u << MATERIAL_PLASTIC |
+                           1u << MATERIAL_PRINCIPLED | 1u << MATERIAL_CLOTH | 1u << MATERIAL_METAL;
     return lobed >> m->kind & 1;
 }
 
