@@ -46,31 +46,30 @@ static const char *const material_names[] = {
     [MATERIAL_CONDUCTOR] = "conductor",
 };
 
-static void read_material(struct scene_doc *doc, const struct scene_at *at, struct material *m)
+static void read_material(const struct scene_params *p, struct material *m)
 {
     size_t kind;
-    if (!scene_doc_kind(doc, at, "a material", material_names, countof(material_names), &kind))
+    if (!scene_doc_kind(p->doc, p->at, "a material", material_names, countof(material_names), &kind))
         return;
     m->kind = (enum material_kind)kind;
-    const struct scene_params p = {doc, at};
     switch (m->kind) {
     case MATERIAL_DIFFUSE:
-        read_diffuse(&p, m);
+        read_diffuse(p, m);
         return;
     case MATERIAL_MIRROR:
-        read_mirror(&p, m);
+        read_mirror(p, m);
         return;
     case MATERIAL_DIELECTRIC:
-        read_dielectric(&p, m);
+        read_dielectric(p, m);
         return;
     case MATERIAL_CONDUCTOR:
-        read_conductor(&p, m);
+        read_conductor(p, m);
         return;
     }
 }
 
 struct scene_names scene_read_materials(struct scene_doc *doc, const struct scene_at *at,
-                                        struct scene *scene)
+                                        const struct scene_names *textures, struct scene *scene)
 {
     struct scene_names names = {.one = "material"};
     if (!scene_names_open(doc, at, SCENE_MAX_MATERIALS, &names))
@@ -79,8 +78,11 @@ struct scene_names scene_read_materials(struct scene_doc *doc, const struct scen
     scene->material_count = names.count;
     struct scene_at member = {0};
     for (uint32_t i = 0; scene_at_next(at, &member); i++) {
-        scene->materials[i].name = scene_names_take(doc, &member, &names, i);
-        read_material(doc, &member, &scene->materials[i]);
+        struct material *m = &scene->materials[i];
+        m->name = scene_names_take(doc, &member, &names, i);
+        m->slot_begin = scene->slot_count;
+        read_material(&(struct scene_params){doc, &member, scene, textures, m}, m);
+        m->slot_end = scene->slot_count;
     }
     scene_names_close(&names);
     return names;

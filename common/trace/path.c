@@ -4,6 +4,7 @@
 #include "common/trace/bsdf.h"
 #include "common/trace/bvh.h"
 #include "common/trace/light.h"
+#include "common/trace/textured.h"
 #include "common/trace/warp.h"
 
 /* The power heuristic with exponent 2 for the technique of density a beside one of density b. As a
@@ -28,17 +29,37 @@ static float survival(float share)
     return q < 1 ? q : 1;
 }
 
+/* The values of textures for a vertex's material. */
+__attribute__((noinline)) static void apply_textures(const struct stage *s, const struct ray *ray,
+                                                     const struct ray_hit *hit,
+                                                     struct path_vertex *v,
+                                                     struct material *scratch)
+{
+    const struct stage_detail *d = surface_detail_of(s, hit->prim, hit->instance);
+    const struct surface_detail detail = surface_detail_at(s, d, hit, &v->at);
+    const struct texture_point point = textured_point(&detail, v->at.ng, ray->dir, v->cone.width);
+    v->material = textured_material(s, v->material, &point, scratch);
+}
+
+/* cone: of the ray where it starts. scratch: room for a textured material, as long as the vertex
+ * is needed. */
 static struct path_vertex vertex_make(const struct stage *s, const struct ray *ray,
-                                      const struct ray_hit *hit)
+                                      const struct ray_hit *hit, struct cone cone,
+                                      struct material *scratch)
 {
     const struct surface at = surface_at(s, ray, hit);
     const struct warp_frame frame = warp_frame_make(at.ng);
-    return (struct path_vertex){
+    struct path_vertex v = {
         .at = at,
         .frame = frame,
         .material = (const struct material *)stage_at(s, s->materials) + at.material,
         .wo = warp_to_local(&frame, -ray->dir),
     };
+    if (s->pyramids.count)
+        v.cone = cone_along(cone, hit->t);
+    if (textured_has(v.material))
+        apply_textures(s, ray, hit, &v, scratch);
+    return v;
 }
 
 /* What the vertex emits to where the ray came from. */
@@ -61,7 +82,8 @@ void path_begin(const struct stage *s, const struct ray rays[], uint32_t count,
             start->light = s->sky;
             continue;
         }
-        start->vertex = vertex_make(s, &rays[i], &hits[i]);
+        start->vertex = vertex_make(s, &rays[i], &hits[i],
+                                    (struct cone){s->cone_width, s->cone_spread}, &start->scratch);
         start->light = emission(s, &start->vertex);
         start->ends = s->settings.max_bounces == 0;
     }
@@ -93,6 +115,8 @@ struct wave {
     uint32_t going; /* paths that have a next ray */
     uint32_t path_of[PATH_WAVE];
     struct ray rays[PATH_WAVE];
+
+    struct material scratch[PATH_WAVE]; /* of vertices with textured materials */
 
     uint32_t shadow_count; /* light that arrives if nothing is in its way */
     uint32_t shadow_path[PATH_WAVE];
@@ -164,7 +188,9 @@ static bool arrive(struct wave *w, uint32_t path, const struct ray *ray, const s
         return false;
     }
     const vec3 from = p->vertex.at.p;
-    p->vertex = vertex_make(s, ray, hit);
+    const struct cone cone =
+        s->pyramids.count ? cone_scatter(p->vertex.cone, p->pdf_w) : p->vertex.cone;
+    p->vertex = vertex_make(s, ray, hit, cone, &w->scratch[path]);
 
     /* Emission found by the BSDF's sampling; a delta lobe's by nothing else */
     const rgb found = emission(s, &p->vertex);

@@ -10,6 +10,7 @@
 #ifndef COMMON_TRACE_PATH_H
 #define COMMON_TRACE_PATH_H
 
+#include "common/trace/cone.h"
 #include "common/trace/ray.h"
 #include "common/trace/rng.h"
 #include "common/trace/stage.h"
@@ -24,14 +25,16 @@ enum {
 struct path_vertex { /* where a ray has arrived */
     struct surface at;
     struct warp_frame frame;
-    const struct material *material;
-    vec3 wo; /* where the ray came from; local */
+    const struct material *material; /* of the stage, or what textures have made of it here */
+    vec3 wo;                         /* where the ray came from; local */
+    struct cone cone;                /* of that ray, here; in scenes with image textures */
 };
 
 struct path_start {            /* a camera ray: what a path and its sibling (rng.h) share */
     rgb light;                 /* of the sky, or of the vertex itself */
     bool ends;                 /* nothing else comes along the ray */
     struct path_vertex vertex; /* where it is scattered, unless it ends */
+    struct material scratch;   /* its material, when that is textured: a start is not to be moved */
 };
 
 /* The rays' directions: unit. */

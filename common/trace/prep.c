@@ -135,6 +135,11 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->normals, NULL, sizeof(struct stage_normal)},
         {&head->uvs, NULL, sizeof(struct stage_uv)},
         {&head->colors, NULL, sizeof(struct stage_color)},
+        {&head->slots, p->scene->slots, sizeof *p->scene->slots},
+        {&head->textures, p->textures, sizeof *p->textures},
+        {&head->pyramids, p->pyramids, sizeof *p->pyramids},
+        {&head->bytes8, NULL, sizeof(struct stage_bytes)},
+        {&head->texels, NULL, 1},
     };
     uint64_t bytes = (sizeof *head + STAGE_ALIGN - 1) / STAGE_ALIGN * STAGE_ALIGN;
     for (size_t i = 0; i < countof(pieces); i++) {
@@ -232,11 +237,13 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
     add_lights(&p);
     pick_emitters(&p);
     aim_camera(&p);
-    const bool fits = prep_detail_plan(&p, scratch, err) && check_lines(&p, err);
+    const bool fits = prep_detail_plan(&p, scratch, err) && prep_texture_plan(&p, scratch, err) &&
+                      check_lines(&p, err);
     if (fits) {
         unsigned char *block = lay_out(&p, arena);
         write_trees(&p, block, crew);
         prep_detail_write(&p, block);
+        prep_texture_write(&p, block);
         place_emitters(&p, (struct emitter *)(void *)(block + p.head.emitters.offset), scratch);
         *stage = (const struct stage *)(const void *)block;
     }

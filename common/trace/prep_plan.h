@@ -40,6 +40,9 @@ struct prep_plan {
     struct stage_detail *details;
     struct prep_mesh *detail_meshes;
     uint32_t quad_uvs; /* as in struct prep_mesh */
+    struct stage_texture *textures;
+    struct stage_pyramid *pyramids;
+    struct prep_image *pyramid_images; /* what they are made of */
 };
 
 /* Allocates the arrays. False: too many primitives. */
@@ -75,5 +78,12 @@ void prep_triangle_world(const struct mesh *, const struct shape *, bool mirrore
  * then the parts. False: too many vertices. */
 bool prep_detail_plan(struct prep_plan *, struct arena *scratch, struct err *) MUST_CHECK;
 void prep_detail_write(const struct prep_plan *, unsigned char *block);
+
+/* --- prep_texture.c --- */
+
+/* Once the camera is aimed: which textures are used, and where their pyramids will lie; then the
+ * pyramids. False: too much memory. */
+bool prep_texture_plan(struct prep_plan *, struct arena *scratch, struct err *) MUST_CHECK;
+void prep_texture_write(const struct prep_plan *, unsigned char *block);
 
 #endif
