@@ -34,7 +34,7 @@ enum {
     SCENE_MAX_PIXELS = 64 * 1024 * 1024,
     SCENE_MAX_SHAPES = 100000,
     SCENE_MAX_MATERIALS = 10000,
-    SCENE_MAX_LIGHTS = 100000,          /* point, distant and sky entries */
+    SCENE_MAX_LIGHTS = 100000,          /* entries that are no shapes */
     SCENE_MAX_TEXTURES = 4096,
     SCENE_MAX_IMAGES = 4096,            /* image assets */
     SCENE_MAX_IMAGE_SIDE_PX = 16384,    /* of one */
@@ -42,6 +42,7 @@ enum {
     SCENE_MAX_TRIANGLES = 100000000,    /* of one mesh; prep.h bounds the whole scene */
     SCENE_MAX_NAME = 128,               /* bytes of a name or title */
     SCENE_MAX_BOUNCES = 10000,
+    SCENE_MAX_BLADES = 64,              /* of an aperture */
     SCENE_MAX_SPP = 1 << 24,
 };
 
@@ -53,11 +54,27 @@ struct scene_film {
     uint32_t crop_x_begin, crop_y_begin, crop_x_end, crop_y_end;
     enum filter_kind filter;
     float filter_radius_px; /* half width: box .5 is one pixel, tent 1 reaches the neighbours */
+    uint32_t layers;        /* layers.h; 0: the image alone */
 };
 
-struct scene_camera {       /* perspective, pinhole */
-    struct xform to_world;  /* rigid: columns right, up, back (-view), position */
-    float fov_y_rad;        /* full vertical opening angle of the whole frame, (0, pi) */
+enum camera_kind { CAMERA_PERSPECTIVE, CAMERA_THIN_LENS, CAMERA_ORTHOGRAPHIC, CAMERA_PANORAMIC };
+
+struct scene_camera {
+    enum camera_kind kind;
+    struct xform to_world; /* rigid: columns right, up, back (-view), position */
+    union {
+        struct {             /* PERSPECTIVE, THIN_LENS: */
+            float fov_y_rad; /* full vertical opening angle of the whole frame, (0, pi) */
+            /* THIN_LENS alone. What lies at the depth `focus` in front of the camera is sharp. */
+            float lens_radius; /* [0, focus] */
+            float focus;       /* > 0 */
+            uint32_t blades;   /* the aperture's corners, on its circle; 0: it is round */
+            float blades_turn; /* of the first corner, in turns from right towards up, [0, 1) */
+        };
+        struct {                 /* ORTHOGRAPHIC: what the whole frame shows, m. One of the two is */
+            float width, height; /* 0: it follows from the other and the film */
+        };
+    };
 };
 
 enum material_kind { MATERIAL_DIFFUSE, MATERIAL_MIRROR, MATERIAL_DIELECTRIC, MATERIAL_CONDUCTOR };
@@ -204,7 +221,7 @@ struct shape {
     };
 };
 
-enum light_kind { LIGHT_SKY, LIGHT_POINT, LIGHT_DISTANT };
+enum light_kind { LIGHT_SKY, LIGHT_POINT, LIGHT_DISTANT, LIGHT_SPOT, LIGHT_SUN };
 
 struct light {
     enum light_kind kind;
@@ -220,6 +237,17 @@ struct light {
             float direction[3]; /* unit, the way the light travels */
             rgb irradiance;     /* W/m^2 on a surface that faces it */
         } distant;
+        struct {
+            float position[3], direction[3]; /* direction: unit, the way the light travels */
+            rgb intensity;                   /* W/sr, within inner_rad of the direction */
+            float inner_rad, outer_rad;      /* outer >= inner: there, and beyond, it is 0 */
+        } spot;
+        struct {
+            float direction[3]; /* unit, the way the light travels from the middle of the disc */
+            float radius_rad;   /* of the disc as it is seen, (0, pi/2] */
+            rgb radiance, irradiance; /* one is given, the other 0; irradiance of a surface that
+                                       * faces it */
+        } sun;
     };
 };
 

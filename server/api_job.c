@@ -90,6 +90,7 @@ static struct store_job row_of(const struct server *s, const struct scene *scene
         .height_px = f->height_px,
         .tile_px = s->config->tile_px,
         .crop = {f->crop_x_begin, f->crop_y_begin, f->crop_x_end, f->crop_y_end},
+        .layers = f->layers,
         .target = scene->settings.target,
         .created_unix_ms = clock_unix_ms(),
         .error = -1,

@@ -16,6 +16,7 @@ ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
 
 # What takes more than one value, or the bytes before they are values.
 BEYOND_A_SCHEMA = {
+    "camera-lens-wider-than-focus": "one number against another",
     "camera-look-at-itself": "two points coincide",
     "camera-matrix-mirrored": "geometry of a matrix",
     "camera-matrix-scaled": "geometry of a matrix",
@@ -43,6 +44,7 @@ BEYOND_A_SCHEMA = {
     "quad-repeated-corner": "geometry of corners",
     "shape-material-dangling": "a name against names",
     "shape-material-unknown": "a name against names",
+    "light-spot-angles": "one angle against the other",
     "material-unknown-of-many": "a name against names",
     "material-unknown-of-none": "a name against names",
     "sphere-ellipsoid": "geometry of a transform",

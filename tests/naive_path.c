@@ -156,6 +156,16 @@ static void add(double sum[3], const double throughput[3], vec3 radiance)
         sum[k] += throughput[k] * (double)radiance[k];
 }
 
+static bool in_sun(const struct emitter *sun, vec3 dir)
+{
+    double dot = 0, length = 0;
+    for (int k = 0; k < 3; k++) {
+        dot -= (double)dir[k] * (double)sun->at[k];
+        length += (double)dir[k] * (double)dir[k];
+    }
+    return 1 - dot / sqrt(length) <= (double)sun->cap;
+}
+
 void naive_path_radiance(const struct stage *s, struct ray ray, struct dice *dice, double sum[3])
 {
     const struct material *materials = stage_at(s, s->materials);
@@ -165,6 +175,9 @@ void naive_path_radiance(const struct stage *s, struct ray ray, struct dice *dic
         struct ray_hit hit;
         if (!bvh_hit_closest(s, &ray, &hit)) {
             add(sum, throughput, s->sky);
+            for (uint32_t e = s->beyond_begin; e < s->emitters.count; e++)
+                if (in_sun(&emitters[e], ray.dir))
+                    add(sum, throughput, vec3_load(emitters[e].radiance));
             return;
         }
         const struct surface at = surface_at(s, &ray, &hit);

@@ -99,7 +99,7 @@ static double luminance_along(const struct stage *stage, struct ray ray, const s
     struct path_start start;
     rgb radiance;
     path_begin(stage, &ray, 1, &start);
-    path_radiance(stage, &start, rng, 1, roulette_begin, &radiance);
+    path_radiance(stage, &start, rng, 1, roulette_begin, NULL, &radiance);
     return (double)rgb_luminance(radiance);
 }
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "common/trace/path.h"
 
+#include <string.h>
+
 #include "common/trace/bsdf.h"
 #include "common/trace/bvh.h"
 #include "common/trace/light.h"
@@ -62,6 +64,19 @@ static struct path_vertex vertex_make(const struct stage *s, const struct ray *r
     return v;
 }
 
+/* What a ray that leaves the scene meets. pdf_w: of its direction, by the sampling that made it; 0:
+ * nothing else could have made it. */
+static rgb beyond(const struct stage *s, vec3 dir, float pdf_w)
+{
+    rgb light = s->sky;
+    for (uint32_t e = s->beyond_begin; e < s->emitters.count; e++) {
+        const rgb found = light_beyond(s, e, dir);
+        if (!rgb_is_black(found))
+            light += found * (pdf_w == 0 ? 1 : mis_weight(pdf_w, light_beyond_pdf_w(s, e, dir)));
+    }
+    return light;
+}
+
 /* What the vertex emits to where the ray came from. */
 static rgb emission(const struct stage *s, const struct path_vertex *v)
 {
@@ -77,9 +92,10 @@ void path_begin(const struct stage *s, const struct ray rays[], uint32_t count,
     const uint32_t found = bvh_hit_closest_8(s, rays, count, hits);
     for (uint32_t i = 0; i < count; i++) {
         struct path_start *start = &starts[i];
-        start->ends = !(found >> i & 1);
+        start->met = found >> i & 1;
+        start->ends = !start->met;
         if (start->ends) {
-            start->light = s->sky;
+            start->light = beyond(s, rays[i].dir, 0);
             continue;
         }
         start->vertex = vertex_make(s, &rays[i], &hits[i],
@@ -184,7 +200,7 @@ static bool arrive(struct wave *w, uint32_t path, const struct ray *ray, const s
     const struct stage *s = w->stage;
     struct path *p = &w->paths[path];
     if (!hit) {
-        p->light += p->throughput * s->sky;
+        p->light += p->throughput * beyond(s, ray->dir, p->pdf_w);
         return false;
     }
     const vec3 from = p->vertex.at.p;
@@ -244,8 +260,16 @@ static void wave_step(struct wave *w)
     w->bounce++;
 }
 
+/* What has been found up to here. */
+static void note_terms(const struct wave *w, struct path_terms *terms, uint32_t count)
+{
+    for (uint32_t i = 0; w->bounce < terms->count && i < count; i++)
+        terms->light[w->bounce][i] = w->paths[i].light;
+}
+
 void path_radiance(const struct stage *s, const struct path_start starts[], const struct rng rngs[],
-                   uint32_t count, uint32_t roulette_begin, rgb radiance[])
+                   uint32_t count, uint32_t roulette_begin, struct path_terms *terms,
+                   rgb radiance[])
 {
     struct wave w;
     w.stage = s;
@@ -262,8 +286,15 @@ void path_radiance(const struct stage *s, const struct path_start starts[], cons
         p->vertex = starts[i].vertex;
         w.path_of[w.going++] = i;
     }
-    while (w.going)
+    for (;;) {
+        if (terms)
+            note_terms(&w, terms, count);
+        if (!w.going)
+            break;
         wave_step(&w);
+    }
     for (uint32_t i = 0; i < count; i++)
         radiance[i] = w.paths[i].light;
+    for (uint32_t k = w.bounce + 1; terms && k < terms->count; k++)
+        memcpy(terms->light[k], radiance, count * sizeof radiance[0]);
 }

@@ -11,6 +11,7 @@
 #define COMMON_TRACE_PATH_H
 
 #include "common/trace/cone.h"
+#include "common/layers.h"
 #include "common/trace/ray.h"
 #include "common/trace/rng.h"
 #include "common/trace/stage.h"
@@ -33,8 +34,15 @@ struct path_vertex { /* where a ray has arrived */
 struct path_start {            /* a camera ray: what a path and its sibling (rng.h) share */
     rgb light;                 /* of the sky, or of the vertex itself */
     bool ends;                 /* nothing else comes along the ray */
+    bool met;                  /* a surface: `vertex` is there */
     struct path_vertex vertex; /* where it is scattered, unless it ends */
     struct material scratch;   /* its material, when that is textured: a start is not to be moved */
+};
+
+/* light[k][i]: of the light that path i finds, what was scattered at most k times. */
+struct path_terms {
+    uint32_t count; /* of those asked for */
+    rgb light[LAYERS_MAX_BOUNCES][PATH_WAVE];
 };
 
 /* The rays' directions: unit. */
@@ -43,8 +51,9 @@ void path_begin(const struct stage *, const struct ray rays[], uint32_t count,
 
 /* radiance[i]: one unbiased estimate of what arrives along starts[i], with the numbers of rngs[i],
  * cut at settings.max_bounces scattering events. roulette_begin: the first bounce after which a
- * path may be ended by chance; UINT32_MAX for never. */
+ * path may be ended by chance; UINT32_MAX for never. terms: NULL, or their light is filled. */
 void path_radiance(const struct stage *, const struct path_start starts[], const struct rng rngs[],
-                   uint32_t count, uint32_t roulette_begin, rgb radiance[]);
+                   uint32_t count, uint32_t roulette_begin, struct path_terms *terms,
+                   rgb radiance[]);
 
 #endif

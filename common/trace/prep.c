@@ -4,91 +4,14 @@
 #include <assert.h>
 #include <string.h>
 
-#include "common/trace/fmath.h"
 #include "common/trace/prep_plan.h"
 
-#define PI 3.14159265358979323846
-
-/* --- lights --- */
-
-/* Half the diagonal of everything: what a distant light shines on. */
-static double scene_radius(const struct stage *head)
+/* A panorama looks everywhere: its depth is the distance. */
+static void set_view(struct stage_view *view, const struct scene_camera *c)
 {
-    double sum = 0;
-    for (int k = 0; k < 3; k++) {
-        const double side = (double)head->bounds[1][k] - (double)head->bounds[0][k];
-        sum += side * side;
-    }
-    return __builtin_sqrt(sum) / 2;
-}
-
-static void add_lights(struct prep_plan *p)
-{
-    const double radius = scene_radius(&p->head);
-    for (uint32_t i = 0; i < p->scene->light_count; i++) {
-        const struct light *l = &p->scene->lights[i];
-        struct emitter *e = &p->emitters[p->head.emitters.count];
-        double *power = &p->power[p->head.emitters.count];
-        switch (l->kind) {
-        case LIGHT_SKY:
-            p->head.sky += l->sky.radiance;
-            continue;
-        case LIGHT_POINT:
-            *e = (struct emitter){.kind = EMITTER_POINT, .prim = STAGE_NONE};
-            vec3_store(e->radiance, l->point.intensity);
-            memcpy(e->at, l->point.position, sizeof e->at);
-            *power = 4 * PI * (double)rgb_luminance(l->point.intensity);
-            break;
-        case LIGHT_DISTANT:
-            *e = (struct emitter){.kind = EMITTER_DISTANT, .prim = STAGE_NONE};
-            vec3_store(e->radiance, l->distant.irradiance);
-            memcpy(e->at, l->distant.direction, sizeof e->at);
-            *power = PI * radius * radius * (double)rgb_luminance(l->distant.irradiance);
-            break;
-        }
-        p->head.emitters.count++;
-    }
-}
-
-/* The table of floats has this many steps that are all exact. */
-enum { PICK_STEPS = 1 << 24 };
-
-/* Chosen in proportion to power; all alike when none has any. Every emitter gets a step of the
- * table, however weak it is: one that is never chosen would be missing, since nothing else finds a
- * point or a distant light. (More than 2^23 emitters are surfaces, which directions find, too.) */
-static void pick_emitters(struct prep_plan *p)
-{
-    const uint64_t n = p->head.emitters.count;
-    double total = 0, sum = 0;
-    for (uint64_t i = 0; i < n; i++)
-        total += p->power[i];
-    const bool usable = total > 0 && total - total == 0;
-    const uint64_t reserved = n <= PICK_STEPS / 2 ? 1 : 0;
-    for (uint64_t i = 0; i < n; i++) {
-        sum += usable ? p->power[i] / total : 1 / (double)n;
-        const double share = (double)(PICK_STEPS - reserved * n) * (sum < 1 ? sum : 1);
-        const uint64_t steps = i + 1 < n ? (uint64_t)share + reserved * (i + 1) : PICK_STEPS;
-        p->pick_cdf[i + 1] = (float)steps / (float)PICK_STEPS;
-        p->emitters[i].pick = p->pick_cdf[i + 1] - p->pick_cdf[i];
-    }
-}
-
-/* --- camera --- */
-
-static void aim_camera(struct prep_plan *p)
-{
-    const struct scene_film *film = &p->scene->film;
-    const struct xform *m = &p->scene->camera.to_world;
-    float sine, cosine;
-    fmath_sincos(p->scene->camera.fov_y_rad / 2, &sine, &cosine);
-    const float half_y = sine / cosine; /* of the image plane one metre ahead */
-    const float pixel = 2 * half_y / (float)film->height_px;
-    const float half_x = pixel * (float)film->width_px / 2;
-    struct stage_camera *c = &p->head.camera;
-    vec3_store(c->origin, xform_point(m, vec3_make(0, 0, 0)));
-    vec3_store(c->corner, xform_vector(m, vec3_make(-half_x, half_y, -1)));
-    vec3_store(c->dx, xform_vector(m, vec3_make(pixel, 0, 0)));
-    vec3_store(c->dy, xform_vector(m, vec3_make(0, -pixel, 0)));
+    vec3_store(view->position, xform_point(&c->to_world, vec3_make(0, 0, 0)));
+    if (c->kind != CAMERA_PANORAMIC)
+        vec3_store(view->direction, vec3_unit(xform_vector(&c->to_world, vec3_make(0, 0, -1))));
 }
 
 /* --- the block --- */
@@ -140,6 +63,7 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->pyramids, p->pyramids, sizeof *p->pyramids},
         {&head->bytes8, NULL, sizeof(struct stage_bytes)},
         {&head->texels, NULL, 1},
+        {&head->spots, p->spots, sizeof *p->spots},
     };
     uint64_t bytes = (sizeof *head + STAGE_ALIGN - 1) / STAGE_ALIGN * STAGE_ALIGN;
     for (size_t i = 0; i < countof(pieces); i++) {
@@ -234,9 +158,9 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
     p.head.film = scene->film;
     p.head.settings = scene->settings;
     prep_shapes(&p, crew);
-    add_lights(&p);
-    pick_emitters(&p);
-    aim_camera(&p);
+    prep_lights(&p);
+    prep_camera(&p.head.camera, scene);
+    set_view(&p.head.view, &scene->camera);
     const bool fits = prep_detail_plan(&p, scratch, err) && prep_texture_plan(&p, scratch, err) &&
                       check_lines(&p, err);
     if (fits) {

@@ -43,6 +43,7 @@ struct prep_plan {
     struct stage_texture *textures;
     struct stage_pyramid *pyramids;
     struct prep_image *pyramid_images; /* what they are made of */
+    struct stage_spot *spots;
 };
 
 /* Allocates the arrays. False: too many primitives. */
@@ -78,6 +79,13 @@ void prep_triangle_world(const struct mesh *, const struct shape *, bool mirrore
  * then the parts. False: too many vertices. */
 bool prep_detail_plan(struct prep_plan *, struct arena *scratch, struct err *) MUST_CHECK;
 void prep_detail_write(const struct prep_plan *, unsigned char *block);
+
+/* Where the camera stands and how it maps the film. */
+void prep_camera(struct stage_camera *, const struct scene *);
+
+/* The document's lights -> emitters behind those of shapes, and the table by which one is picked.
+ * After prep_shapes: a distant light shines on what there is. */
+void prep_lights(struct prep_plan *);
 
 /* --- prep_texture.c --- */
 

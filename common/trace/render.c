@@ -2,8 +2,10 @@
 #include "common/trace/render.h"
 
 #include <assert.h>
+#include <string.h>
 
 #include "common/trace/camera.h"
+#include "common/trace/layer.h"
 #include "common/trace/path.h"
 #include "common/trace/rng.h"
 
@@ -34,6 +36,15 @@ static void octet_init(struct octet *o, const struct stage *s, uint32_t x_px, ui
     rng_pixel_init(&o->rng, s->settings.seed, x_px, y_px);
 }
 
+/* Through the lens, if there is one. Apart, so that the pinhole's way stays short. */
+__attribute__((noinline)) static void octet_aim(struct octet *o, f32x8 x, f32x8 y)
+{
+    struct sobol8_square lens = {{0}, {0}};
+    if (o->stage->camera.kind == CAMERA_THIN_LENS)
+        lens = rng_pixel_lens(&o->rng);
+    camera_rays_through(&o->stage->camera, x, y, &lens, &o->rays);
+}
+
 /* Samples [8 index, 8 index + 8). */
 static void octet_go(struct octet *o, uint32_t index)
 {
@@ -46,7 +57,10 @@ static void octet_go(struct octet *o, uint32_t index)
     const struct sobol8_square q = rng_pixel_filter(&o->rng);
     const f32x8 x = (float)o->x_px + 0.5f + camera_filter(&s->film, q.u);
     const f32x8 y = (float)o->y_px + 0.5f + camera_filter(&s->film, q.v);
-    camera_rays(&s->camera, x, y, &o->rays);
+    if (s->camera.kind == CAMERA_PERSPECTIVE)
+        camera_rays(&s->camera, x, y, &o->rays);
+    else
+        octet_aim(o, x, y);
 }
 
 /* The camera rays of replicates [begin, end). */
@@ -62,15 +76,17 @@ static void octet_begin(struct octet *o, uint32_t begin, uint32_t end)
     o->begun |= wanted;
 }
 
-/* Radiance of those with replicates [begin, end). */
-static void octet_radiance(struct octet *o, uint32_t begin, uint32_t end, rgb radiance[])
+/* Radiance of those with replicates [begin, end), and its terms if they are asked for. */
+static void octet_radiance(struct octet *o, uint32_t begin, uint32_t end, rgb radiance[],
+                           struct path_terms *terms)
 {
     const struct stage *s = o->stage;
+    octet_begin(o, begin, end);
+    const struct path_start *starts = &o->starts[begin];
+    const struct rng *rngs = &o->rng.replicate[begin];
     switch (s->settings.integrator) {
     case INTEGRATOR_PATH:
-        octet_begin(o, begin, end);
-        path_radiance(s, &o->starts[begin], &o->rng.replicate[begin], end - begin,
-                      PATH_ROULETTE_BEGIN, radiance);
+        path_radiance(s, starts, rngs, end - begin, PATH_ROULETTE_BEGIN, terms, radiance);
         return;
     }
     __builtin_unreachable();
@@ -83,7 +99,7 @@ rgb render_sample(const struct stage *s, uint32_t x_px, uint32_t y_px, uint32_t 
     rgb radiance;
     octet_init(&o, s, x_px, y_px);
     octet_go(&o, sample / FILM_REPLICATES);
-    octet_radiance(&o, replicate, replicate + 1, &radiance);
+    octet_radiance(&o, replicate, replicate + 1, &radiance, NULL);
     return radiance;
 }
 
@@ -94,39 +110,71 @@ static bool is_valid(rgb c)
     return (i32x4_mask((c >= least) & (c <= most)) & 7) == 7;
 }
 
-static void render_pixel(const struct stage *s, struct film_samples *out, uint32_t x_px,
-                         uint32_t y_px, float sums[FILM_CHANNELS])
+/* One pixel's pass. */
+struct pixel {
+    f64x4 sums[FILM_REPLICATES];
+    double layers[LAYERS_MAX_CHANNELS];
+    struct path_terms terms;
+};
+
+/* What one octet adds: the samples [begin, end), all of it. */
+static void add_octet(struct octet *o, struct pixel *to, struct film_samples *out, uint32_t begin,
+                      uint32_t end)
 {
-    f64x4 exact[FILM_REPLICATES] = {{0}};
+    const uint32_t first = begin % FILM_REPLICATES;
+    rgb radiance[FILM_REPLICATES];
+    octet_go(o, begin / FILM_REPLICATES);
+    octet_radiance(o, first, first + end - begin, radiance, to->terms.count ? &to->terms : NULL);
+    for (uint32_t i = 0; i < end - begin; i++) {
+        const uint32_t replicate = first + i;
+        if (out->layers)
+            layer_surface(o->stage, out->layers, &o->starts[replicate],
+                          &o->rng.replicate[replicate], begin + i, to->layers);
+        if (!is_valid(radiance[i])) {
+            film_samples_note_invalid(out, (struct film_key){o->x_px, o->y_px, begin + i});
+            continue;
+        }
+        to->sums[replicate] += f64x4_of(radiance[i]);
+        if (to->terms.count)
+            layer_bounces(out->layers, &to->terms, i, radiance[i], to->layers);
+    }
+}
+
+static void render_pixel(const struct stage *s, struct film_samples *out, uint32_t x_px,
+                         uint32_t y_px, float sums[FILM_CHANNELS], float layers[])
+{
+    const uint32_t channels = layers_channels(out->layers);
+    struct pixel pixel;
     struct octet octet;
+    memset(pixel.sums, 0, sizeof pixel.sums);
+    memset(pixel.layers, 0, channels * sizeof pixel.layers[0]);
+    pixel.terms.count = layers_bounces(out->layers);
     octet_init(&octet, s, x_px, y_px);
     for (uint32_t i = out->pass.s_begin, end; i < out->pass.s_end; i = end) {
-        const uint32_t begin = i % FILM_REPLICATES, first = i - begin;
-        rgb radiance[FILM_REPLICATES];
-        end = first + FILM_REPLICATES;
+        end = i - i % FILM_REPLICATES + FILM_REPLICATES;
         if (end > out->pass.s_end)
             end = out->pass.s_end;
-        octet_go(&octet, first / FILM_REPLICATES);
-        octet_radiance(&octet, begin, end - first, radiance);
-        for (uint32_t k = i; k < end; k++) {
-            const rgb c = radiance[k - i];
-            if (is_valid(c))
-                exact[k % FILM_REPLICATES] += f64x4_of(c);
-            else
-                film_samples_note_invalid(out, (struct film_key){x_px, y_px, k});
-        }
+        add_octet(&octet, &pixel, out, i, end);
     }
     for (int i = 0; i < FILM_REPLICATES; i++)
-        vec3_store(sums + 3 * i, f64x4_round(exact[i]));
+        vec3_store(sums + 3 * i, f64x4_round(pixel.sums[i]));
+    for (uint32_t i = 0; i < channels; i++)
+        layers[i] = (float)pixel.layers[i];
 }
 
 void render_row(const struct stage *s, struct film_samples *out, uint32_t y_px)
 {
     const struct tile_rect r = out->rect;
     assert(y_px >= r.y_begin && y_px < r.y_end);
-    float *row = out->sums + (size_t)(y_px - r.y_begin) * (r.x_end - r.x_begin) * FILM_CHANNELS;
-    for (uint32_t x = r.x_begin; x < r.x_end; x++, row += FILM_CHANNELS)
-        render_pixel(s, out, x, y_px, row);
+    const size_t channels = layers_channels(out->layers);
+    const size_t before = (size_t)(y_px - r.y_begin) * (r.x_end - r.x_begin);
+    float *sums = out->sums + before * FILM_CHANNELS;
+    float *layers = channels ? out->layer_sums + before * channels : NULL;
+    for (uint32_t x = r.x_begin; x < r.x_end; x++, sums += FILM_CHANNELS) {
+        render_pixel(s, out, x, y_px, sums, layers);
+        if (layers)
+            layers += channels;
+    }
 }
 
 void render_tile(const struct stage *s, struct film_samples *out)

@@ -39,6 +39,7 @@ static const struct row rows[] = {
     ROW(pyramids, struct stage_pyramid),
     ROW(bytes8, struct stage_bytes),
     ROW(texels, unsigned char),
+    ROW(spots, struct stage_spot),
 };
 
 _Static_assert((sizeof(struct stage) - offsetof(struct stage, shapes)) /

@@ -21,7 +21,7 @@
 
 #define STAGE_MAGIC "SMSTAGE"
 
-enum { STAGE_VERSION = 3, STAGE_ALIGN = 64, STAGE_LANES = 8 };
+enum { STAGE_VERSION = 4, STAGE_ALIGN = 64, STAGE_LANES = 8 };
 
 struct stage_span {  /* an array inside the block */
     uint64_t offset; /* bytes from the start of the stage, 64-aligned */
@@ -169,23 +169,44 @@ struct stage_instance {
     float pad[3];
 };
 
-/* Something next-event estimation can aim at: an emissive primitive, a point or a distant light. */
-enum emitter_kind { EMITTER_PRIM, EMITTER_POINT, EMITTER_DISTANT };
+/* Something next-event estimation can aim at. Their order: emissive primitives by number; points
+ * and spots (up to here they have a place: stage.far_begin); distant lights; what a ray that leaves
+ * the scene can meet (from stage.beyond_begin on). */
+enum emitter_kind { EMITTER_PRIM, EMITTER_POINT, EMITTER_SPOT, EMITTER_DISTANT, EMITTER_SUN };
 
 struct emitter {
     enum emitter_kind kind;
     uint32_t prim;            /* EMITTER_PRIM */
     struct stage_place place; /* EMITTER_PRIM */
-    float radiance[3];        /* EMITTER_PRIM: radiance; POINT: intensity; DISTANT: irradiance */
-    float at[3];              /* POINT: position; DISTANT: direction of travel, unit */
-    float area;               /* EMITTER_PRIM: m^2 */
+    float radiance[3];        /* PRIM, SUN: radiance; POINT, SPOT: intensity; DISTANT: irradiance */
+    float at[3];              /* POINT, SPOT: position; DISTANT, SUN: direction of travel, unit */
+    union {
+        float area;     /* EMITTER_PRIM: m^2 */
+        float cap;      /* SUN: 1 - cos of its radius */
+        uint32_t index; /* SPOT: into stage.spots */
+    };
     float pick;               /* probability of being chosen; they sum to 1 */
 };
 
-struct stage_camera {
+struct stage_spot {
+    float direction[3]; /* unit */
+    float inner, outer; /* 1 - cos of the angles between which its light falls off */
+};
+
+struct stage_camera {   /* as perspective and thin lens have it; the others: camera.c */
     float origin[3];
-    float corner[3];    /* direction_raw through the top left corner of the frame */
+    float corner[3];    /* direction_raw through the top left corner of the frame, 1 deep */
     float dx[3], dy[3]; /* per pixel to the right, down */
+    enum camera_kind kind;
+    uint32_t blades;             /* THIN_LENS: corners of the aperture; 0: round */
+    float lens_x[3], lens_y[3];  /* THIN_LENS: across the aperture, from its middle to its circle */
+    float inv_focus;             /* THIN_LENS: 1 / m */
+    float turns_x, turns_y;      /* PANORAMIC: per pixel */
+};
+
+struct stage_view { /* what depth is measured along */
+    float position[3];
+    float direction[3]; /* unit; 0: none, depth is the distance */
 };
 
 struct stage {
@@ -195,6 +216,7 @@ struct stage {
     uint64_t bytes;        /* of the whole block */
 
     struct stage_camera camera;
+    struct stage_view view;
     struct scene_film film;
     struct scene_settings settings;
     rgb sky;                     /* radiance of rays that leave the scene */
@@ -204,6 +226,7 @@ struct stage {
     uint32_t bvh_depth;
 
     uint32_t prim_count;
+    uint32_t far_begin, beyond_begin; /* among the emitters: see there */
 
     float cone_width, cone_spread; /* of camera rays (cone.h), when there are pyramids */
 
@@ -229,6 +252,7 @@ struct stage {
     struct stage_span pyramids;  /* struct stage_pyramid */
     struct stage_span bytes8;    /* struct stage_bytes, one if anything is kept in bytes */
     struct stage_span texels;    /* bytes, of all pyramids */
+    struct stage_span spots;     /* struct stage_spot */
 };
 
 static inline const void *stage_at(const struct stage *s, struct stage_span span)
