@@ -77,7 +77,14 @@ struct scene_camera {
     };
 };
 
-enum material_kind { MATERIAL_DIFFUSE, MATERIAL_MIRROR, MATERIAL_DIELECTRIC, MATERIAL_CONDUCTOR };
+enum material_kind {
+    MATERIAL_DIFFUSE,
+    MATERIAL_MIRROR,
+    MATERIAL_DIELECTRIC,
+    MATERIAL_CONDUCTOR,
+    /* From here on without a name in documents. */
+    MATERIAL_METAL, /* a "conductor" that asks for more than MATERIAL_CONDUCTOR has */
+};
 
 /* What shading with a material asks of the surface beside its place and its normal. */
 enum material_needs {
@@ -125,6 +132,12 @@ struct material {
             rgb eta, k;  /* complex index of refraction per channel, eta > 0, k >= 0 */
             float alpha; /* GGX width, [0, 1]; 0 is a perfect mirror with conductor Fresnel */
         } conductor;
+        struct {
+            rgb eta, k;              /* as a conductor's */
+            float alpha_x, alpha_y;  /* GGX width along the x axis of the local frame and across */
+            float turn_cos, turn_sin; /* of the angle by which these are turned about the normal */
+            bool multiscatter;       /* light that meets several facets is added */
+        } metal;
     };
 };
 

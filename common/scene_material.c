@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "common/scene_param.h"
 #include "common/scene_read.h"
+#include "common/scene_specular.h"
 
 static const struct scene_range fraction = {0, 1, false};
 
@@ -29,22 +30,13 @@ static void read_dielectric(const struct scene_params *p, struct material *m)
     scene_param_number(p, "alpha", fraction, &m->dielectric.alpha);
 }
 
-static void read_conductor(const struct scene_params *p, struct material *m)
-{
-    static const struct scene_key keys[] = {
-        {"type", true}, {"eta", true}, {"k", true}, {"alpha", true}};
-    scene_params_of(p, "a conductor material", keys, countof(keys));
-    scene_param_rgb(p, "eta", (struct scene_range){1e-3, 100, false}, &m->conductor.eta);
-    scene_param_rgb(p, "k", (struct scene_range){0, 100, false}, &m->conductor.k);
-    scene_param_number(p, "alpha", fraction, &m->conductor.alpha);
-}
-
 static const char *const material_names[] = {
     [MATERIAL_DIFFUSE] = "diffuse",
     [MATERIAL_MIRROR] = "mirror",
     [MATERIAL_DIELECTRIC] = "dielectric",
     [MATERIAL_CONDUCTOR] = "conductor",
 };
+_Static_assert(countof(material_names) == MATERIAL_METAL, "kinds that have no name come last");
 
 static void read_material(const struct scene_params *p, struct material *m)
 {
@@ -63,8 +55,10 @@ static void read_material(const struct scene_params *p, struct material *m)
         read_dielectric(p, m);
         return;
     case MATERIAL_CONDUCTOR:
-        read_conductor(p, m);
+        scene_specular_conductor(p, m);
         return;
+    case MATERIAL_METAL:
+        break;
     }
 }
 
@@ -80,8 +74,9 @@ struct scene_names scene_read_materials(struct scene_doc *doc, const struct scen
     for (uint32_t i = 0; scene_at_next(at, &member); i++) {
         struct material *m = &scene->materials[i];
         m->name = scene_names_take(doc, &member, &names, i);
-        m->slot_begin = scene->slot_count;
+        const uint32_t slot_begin = scene->slot_count;
         read_material(&(struct scene_params){doc, &member, scene, textures, m}, m);
+        m->slot_begin = slot_begin;
         m->slot_end = scene->slot_count;
     }
     scene_names_close(&names);

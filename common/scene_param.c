@@ -114,17 +114,37 @@ void scene_param_rgb(const struct scene_params *p, const char *key, struct scene
         scene_doc_rgb(p->doc, &value, range, out);
 }
 
-void scene_param_number(const struct scene_params *p, const char *key, struct scene_range range,
+/* False: absent, or a fault. */
+static bool read_number(const struct scene_params *p, const char *key, struct scene_range range,
                         float *out)
 {
     struct scene_at value;
     double number;
     rgb most;
     if (!scene_at_member(p->at, key, &value))
-        return;
+        return false;
     struct material_slot slot = slot_of(p, out, range, false);
-    if (is_textured(&value) && read_textured(p, &value, &slot, &most))
+    if (is_textured(&value)) {
+        if (!read_textured(p, &value, &slot, &most))
+            return false;
         *out = most[0];
-    else if (!is_textured(&value) && scene_doc_number(p->doc, &value, range, &number))
+    } else {
+        if (!scene_doc_number(p->doc, &value, range, &number))
+            return false;
         *out = (float)number;
+    }
+    return true;
+}
+
+void scene_param_number(const struct scene_params *p, const char *key, struct scene_range range,
+                        float *out)
+{
+    read_number(p, key, range, out);
+}
+
+void scene_param_both(const struct scene_params *p, const char *key, struct scene_range range,
+                      float *a, float *b)
+{
+    if (read_number(p, key, range, a))
+        read_number(p, key, range, b);
 }

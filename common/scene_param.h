@@ -25,5 +25,8 @@ void scene_params_of(const struct scene_params *, const char *what, const struct
 
 void scene_param_rgb(const struct scene_params *, const char *key, struct scene_range, rgb *);
 void scene_param_number(const struct scene_params *, const char *key, struct scene_range, float *);
+/* One number for two members. */
+void scene_param_both(const struct scene_params *, const char *key, struct scene_range, float *,
+                      float *);
 
 #endif

@@ -63,8 +63,8 @@ static void drives_parameters(void)
        "textured parameters are read");
     const struct material *m = scene.materials;
     const struct material_slot *s = scene.slots;
-    ok(scene.slot_count == 3 && m[0].slot_begin == m[0].slot_end && m[1].slot_begin == 0 &&
-           m[1].slot_end == 2 && m[2].slot_begin == 2 && m[2].slot_end == 3,
+    ok(scene.slot_count == 4 && m[0].slot_begin == m[0].slot_end && m[1].slot_begin == 0 &&
+           m[1].slot_end == 3 && m[2].slot_begin == 3 && m[2].slot_end == 4,
        "each is a slot of its material");
     ok(s[0].is_rgb && s[0].texture == 1 && s[0].lo == 1e-3f && s[0].hi == 100 &&
            s[0].member == offsetof(struct material, conductor.eta),

@@ -44,9 +44,9 @@ static float cap_pdf_w(const void *what, vec3 w)
 static void follows(const struct sphere_chi2 *t, const char *name)
 {
     const struct sphere_chi2_result r = sphere_chi2_run(t, samples, 1);
-    ok(r.chi2.p > stat_sidak(0.01, 6), "%s: samples follow the pdf (p %.3f)", name, r.chi2.p);
-    near(r.mass_off, 0, 1e-3, "%s: pdf integrates to 1", name);
-    ok(r.pdf_off < 1e-4, "%s: pdf of a sample is the pdf of its direction", name);
+    ok(r.chi2.p > stat_sidak(0.01, 6), "F-03: %s: samples follow the pdf (p %.3f)", name, r.chi2.p);
+    near(r.mass_off, 0, 1e-3, "F-03: %s: pdf integrates to 1", name);
+    ok(r.pdf_off < 1e-4, "F-03: %s: pdf of a sample is the pdf of its direction", name);
 }
 
 static void directions_follow(void)

@@ -2,6 +2,7 @@
 #include "common/trace/layer.h"
 
 #include "common/trace/bsdf.h"
+#include "common/trace/textured.h"
 
 static void add(double to[], vec3 v)
 {
@@ -9,12 +10,14 @@ static void add(double to[], vec3 v)
         to[i] += (double)v[i];
 }
 
-static rgb albedo(const struct path_vertex *v, const struct rng *rng)
+static rgb albedo(const struct stage *s, const struct path_vertex *v, const struct rng *rng)
 {
+    struct material textured;
+    const struct material *m = textured_material(s, v->material, &v->point, &textured);
     const struct square direction = rng_pair(rng, rng_dimension(0, RNG_BSDF_DIRECTION));
     const float lobe = rng_single(rng, rng_dimension(0, RNG_BSDF_LOBE));
     struct bsdf_sample next;
-    if (!bsdf_sample(v->material, v->wo, lobe, direction, &next))
+    if (!bsdf_sample(m, v->wo, lobe, direction, &next))
         return (rgb){0, 0, 0, 0};
     return next.weight / next.scale;
 }
@@ -26,15 +29,16 @@ static double depth(const struct stage_view *view, vec3 p)
     return (double)(none ? vec3_length(way) : vec3_dot(way, along));
 }
 
-void layer_surface(const struct stage *s, uint32_t layers, const struct path_start *start,
+void layer_surface(const struct stage *s, uint32_t layers, const struct wave_starts *starts,
                    const struct rng *rng, uint32_t sample, double channels[])
 {
-    const struct path_vertex *v = &start->vertex;
-    if (!(layers & LAYER_SURFACE) || !start->met)
+    const uint32_t replicate = sample % WAVE_LANES;
+    if (!(layers & LAYER_SURFACE) || !(starts->met >> replicate & 1))
         return;
+    const struct path_vertex first = wave_first(s, starts, replicate), *v = &first;
     channels[0] += 1;
     if (layers & LAYER_ALBEDO)
-        add(channels + layers_at(layers, LAYER_ALBEDO), albedo(v, rng));
+        add(channels + layers_at(layers, LAYER_ALBEDO), albedo(s, v, rng));
     if (layers & LAYER_NORMAL)
         add(channels + layers_at(layers, LAYER_NORMAL), v->wo[2] < 0 ? -v->frame.z : v->frame.z);
     if (layers & LAYER_DEPTH)
@@ -45,7 +49,7 @@ void layer_surface(const struct stage *s, uint32_t layers, const struct path_sta
         channels[layers_at(layers, LAYER_MATERIAL)] = 1 + (double)v->at.material;
 }
 
-void layer_bounces(uint32_t layers, const struct path_terms *terms, uint32_t i, rgb radiance,
+void layer_bounces(uint32_t layers, const struct wave_terms *terms, uint32_t i, rgb radiance,
                    double channels[])
 {
     double *to = channels + layers_bounces_at(layers);

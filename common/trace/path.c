@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "common/trace/path.h"
 
-#include <string.h>
-
 #include "common/trace/bsdf.h"
-#include "common/trace/bvh.h"
 #include "common/trace/light.h"
 #include "common/trace/textured.h"
 #include "common/trace/warp.h"
@@ -31,23 +28,18 @@ static float survival(float share)
     return q < 1 ? q : 1;
 }
 
-/* The values of textures for a vertex's material. */
-__attribute__((noinline)) static void apply_textures(const struct stage *s, const struct ray *ray,
-                                                     const struct ray_hit *hit,
-                                                     struct path_vertex *v,
-                                                     struct material *scratch)
+/* Where textures are looked at for a vertex. */
+__attribute__((noinline)) static void find_point(const struct stage *s, const struct ray *ray,
+                                                 const struct ray_hit *hit, float width,
+                                                 struct path_vertex *v)
 {
     const struct stage_detail *d = surface_detail_of(s, hit->prim, hit->instance);
     const struct surface_detail detail = surface_detail_at(s, d, hit, &v->at);
-    const struct texture_point point = textured_point(&detail, v->at.ng, ray->dir, v->cone.width);
-    v->material = textured_material(s, v->material, &point, scratch);
+    v->point = textured_point(&detail, v->at.ng, ray->dir, width);
 }
 
-/* cone: of the ray where it starts. scratch: room for a textured material, as long as the vertex
- * is needed. */
-static struct path_vertex vertex_make(const struct stage *s, const struct ray *ray,
-                                      const struct ray_hit *hit, struct cone cone,
-                                      struct material *scratch)
+struct path_vertex path_vertex_make(const struct stage *s, const struct ray *ray,
+                                    const struct ray_hit *hit, float width)
 {
     const struct surface at = surface_at(s, ray, hit);
     const struct warp_frame frame = warp_frame_make(at.ng);
@@ -57,16 +49,12 @@ static struct path_vertex vertex_make(const struct stage *s, const struct ray *r
         .material = (const struct material *)stage_at(s, s->materials) + at.material,
         .wo = warp_to_local(&frame, -ray->dir),
     };
-    if (s->pyramids.count)
-        v.cone = cone_along(cone, hit->t);
-    if (textured_has(v.material))
-        apply_textures(s, ray, hit, &v, scratch);
+    if (s->slots.count && textured_needs(v.material))
+        find_point(s, ray, hit, width, &v);
     return v;
 }
 
-/* What a ray that leaves the scene meets. pdf_w: of its direction, by the sampling that made it; 0:
- * nothing else could have made it. */
-static rgb beyond(const struct stage *s, vec3 dir, float pdf_w)
+rgb path_beyond(const struct stage *s, vec3 dir, float pdf_w)
 {
     rgb light = s->sky;
     for (uint32_t e = s->beyond_begin; e < s->emitters.count; e++) {
@@ -77,115 +65,53 @@ static rgb beyond(const struct stage *s, vec3 dir, float pdf_w)
     return light;
 }
 
-/* What the vertex emits to where the ray came from. */
-static rgb emission(const struct stage *s, const struct path_vertex *v)
+rgb path_emission(const struct stage *s, const struct path_vertex *v)
 {
     if (v->at.emitter == STAGE_NONE || !(v->wo[2] > 0))
         return (rgb){0, 0, 0, 0};
     return vec3_load(((const struct emitter *)stage_at(s, s->emitters))[v->at.emitter].radiance);
 }
 
-void path_begin(const struct stage *s, const struct ray rays[], uint32_t count,
-                struct path_start starts[])
+bool path_light_directly(const struct stage *s, const struct path *p, struct sobol_bits lamp,
+                         struct ray *shadow, rgb *light)
 {
-    struct ray_hit hits[PATH_WAVE];
-    const uint32_t found = bvh_hit_closest_8(s, rays, count, hits);
-    for (uint32_t i = 0; i < count; i++) {
-        struct path_start *start = &starts[i];
-        start->met = found >> i & 1;
-        start->ends = !start->met;
-        if (start->ends) {
-            start->light = beyond(s, rays[i].dir, 0);
-            continue;
-        }
-        start->vertex = vertex_make(s, &rays[i], &hits[i],
-                                    (struct cone){s->cone_width, s->cone_spread}, &start->scratch);
-        start->light = emission(s, &start->vertex);
-        start->ends = s->settings.max_bounces == 0;
-    }
-}
-
-/* --- paths in step --- */
-
-struct path {
-    rgb light; /* found so far */
-    rgb throughput;
-    float scale; /* what roulette divides out of throughput; from the first scattering on */
-    float pdf_w; /* of the last direction; 0: a delta lobe's, which next-event estimation cannot
-                  * make */
-    struct path_vertex vertex;
-};
-
-struct wave {
-    const struct stage *stage;
-    struct rng8 rng;
-    uint32_t bounce, roulette_begin;
-    struct path paths[PATH_WAVE];
-
-    /* A bounce's random numbers, by path: made for all at once, which costs less than for two of
-     * them alone. */
-    struct sobol8_bits lamp;
-    struct sobol8_square direction;
-    f32x8 lobe, roulette;
-
-    uint32_t going; /* paths that have a next ray */
-    uint32_t path_of[PATH_WAVE];
-    struct ray rays[PATH_WAVE];
-
-    struct material scratch[PATH_WAVE]; /* of vertices with textured materials */
-
-    uint32_t shadow_count; /* light that arrives if nothing is in its way */
-    uint32_t shadow_path[PATH_WAVE];
-    struct ray shadows[PATH_WAVE];
-    rgb light[PATH_WAVE];
-};
-
-/* Light that may reach the vertex from one chosen emitter and goes on to wo, MIS-weighted. */
-static void light_directly(struct wave *w, uint32_t path)
-{
-    const struct stage *s = w->stage;
-    const struct path *p = &w->paths[path];
     const struct path_vertex *v = &p->vertex;
     const struct material *m = v->material;
     if (s->emitters.count == 0 || bsdf_is_delta(m))
-        return;
-    const struct sobol_bits place = {w->lamp.u[path], w->lamp.v[path]};
-    struct light_sample light;
-    if (!light_sample(s, &v->at, place, &light))
-        return;
-    const vec3 wi = warp_to_local(&v->frame, light.wi);
+        return false;
+    struct light_sample sample;
+    if (!light_sample(s, &v->at, lamp, &sample))
+        return false;
+    const vec3 wi = warp_to_local(&v->frame, sample.wi);
     rgb f = bsdf_eval(m, v->wo, wi);
     if (rgb_is_black(f))
-        return;
-    f *= light.value;
-    if (light.pdf_w != 0)
-        f *= mis_weight(light.pdf_w, bsdf_pdf_w(m, v->wo, wi));
-    w->shadow_path[w->shadow_count] = path;
-    w->shadows[w->shadow_count] = light.shadow;
-    w->light[w->shadow_count++] = p->throughput * f;
+        return false;
+    f *= sample.value;
+    if (sample.pdf_w != 0)
+        f *= mis_weight(sample.pdf_w, bsdf_pdf_w(m, v->wo, wi));
+    *shadow = sample.shadow;
+    *light = p->throughput * f;
+    return true;
 }
 
-/* The next ray; false: there is none. */
-static bool scatter(struct wave *w, uint32_t path, struct ray *ray)
+bool path_scatter(struct path *p, const struct path_draw *draw, struct ray *ray)
 {
-    struct path *p = &w->paths[path];
     const struct path_vertex *v = &p->vertex;
-    const struct square direction = {w->direction.u[path], w->direction.v[path]};
     struct bsdf_sample next;
-    if (!bsdf_sample(v->material, v->wo, w->lobe[path], direction, &next))
+    if (!bsdf_sample(v->material, v->wo, draw->lobe, draw->direction, &next))
         return false;
     p->throughput *= next.weight;
     if (rgb_is_black(p->throughput))
         return false;
-    p->scale = w->bounce == 0 ? rgb_max(p->throughput) : p->scale * next.scale;
+    p->scale = draw->first ? rgb_max(p->throughput) : p->scale * next.scale;
     p->pdf_w = next.pdf_w;
     const vec3 dir = warp_to_world(&v->frame, next.wi);
     if (!(vec3_dot(dir, v->at.ng) * next.wi[2] > 0)) /* rounding put it on the wrong side */
         return false;
-    if (w->bounce >= w->roulette_begin) { /* a channel weaker than the strongest only gains */
+    if (draw->may_end) { /* a channel weaker than the strongest only gains */
         const float q = survival(rgb_max(p->throughput) / p->scale);
         if (q < 1) {
-            if (w->roulette[path] >= q)
+            if (draw->roulette >= q)
                 return false;
             p->throughput /= q;
         }
@@ -194,107 +120,15 @@ static bool scatter(struct wave *w, uint32_t path, struct ray *ray)
     return true;
 }
 
-/* The next vertex, or the sky. False: the path ends there. */
-static bool arrive(struct wave *w, uint32_t path, const struct ray *ray, const struct ray_hit *hit)
+void path_arrive(const struct stage *s, struct path *p, const struct path_vertex *v)
 {
-    const struct stage *s = w->stage;
-    struct path *p = &w->paths[path];
-    if (!hit) {
-        p->light += p->throughput * beyond(s, ray->dir, p->pdf_w);
-        return false;
-    }
     const vec3 from = p->vertex.at.p;
-    const struct cone cone =
-        s->pyramids.count ? cone_scatter(p->vertex.cone, p->pdf_w) : p->vertex.cone;
-    p->vertex = vertex_make(s, ray, hit, cone, &w->scratch[path]);
+    p->vertex = *v;
 
     /* Emission found by the BSDF's sampling; a delta lobe's by nothing else */
-    const rgb found = emission(s, &p->vertex);
-    if (!rgb_is_black(found)) {
-        const float weight =
-            p->pdf_w == 0 ? 1 : mis_weight(p->pdf_w, light_pdf_w(s, from, &p->vertex.at));
-        p->light += p->throughput * found * weight;
-    }
-    return w->bounce + 1 < s->settings.max_bounces;
-}
-
-static void draw(struct wave *w)
-{
-    bool lobes = false;
-    for (uint32_t i = 0; i < w->going; i++)
-        lobes = lobes || bsdf_has_lobes(w->paths[w->path_of[i]].vertex.material);
-    w->direction = rng8_pair(&w->rng, rng_dimension(w->bounce, RNG_BSDF_DIRECTION));
-    if (w->stage->emitters.count > 0)
-        w->lamp = rng8_pair_bits(&w->rng, rng_dimension(w->bounce, RNG_LIGHT));
-    if (lobes)
-        w->lobe = rng8_single(&w->rng, rng_dimension(w->bounce, RNG_BSDF_LOBE));
-    if (w->bounce >= w->roulette_begin)
-        w->roulette = rng8_single(&w->rng, rng_dimension(w->bounce, RNG_ROULETTE));
-}
-
-/* All paths from their vertices to the next ones. */
-static void wave_step(struct wave *w)
-{
-    uint32_t going = 0;
-    draw(w);
-    w->shadow_count = 0;
-    for (uint32_t i = 0; i < w->going; i++) {
-        const uint32_t path = w->path_of[i];
-        light_directly(w, path);
-        w->path_of[going] = path;
-        going += scatter(w, path, &w->rays[going]);
-    }
-    const uint32_t dark = bvh_hit_any_8(w->stage, w->shadows, w->shadow_count);
-    for (uint32_t i = 0; i < w->shadow_count; i++)
-        if (!(dark >> i & 1))
-            w->paths[w->shadow_path[i]].light += w->light[i];
-
-    struct ray_hit hits[PATH_WAVE];
-    const uint32_t found = bvh_hit_closest_8(w->stage, w->rays, going, hits);
-    w->going = 0;
-    for (uint32_t i = 0; i < going; i++) {
-        const uint32_t path = w->path_of[i];
-        w->path_of[w->going] = path;
-        w->going += arrive(w, path, &w->rays[i], found >> i & 1 ? &hits[i] : NULL);
-    }
-    w->bounce++;
-}
-
-/* What has been found up to here. */
-static void note_terms(const struct wave *w, struct path_terms *terms, uint32_t count)
-{
-    for (uint32_t i = 0; w->bounce < terms->count && i < count; i++)
-        terms->light[w->bounce][i] = w->paths[i].light;
-}
-
-void path_radiance(const struct stage *s, const struct path_start starts[], const struct rng rngs[],
-                   uint32_t count, uint32_t roulette_begin, struct path_terms *terms,
-                   rgb radiance[])
-{
-    struct wave w;
-    w.stage = s;
-    w.bounce = w.going = 0;
-    w.roulette_begin = roulette_begin;
-    w.lobe = (f32x8){0};
-    rng8_make(&w.rng, rngs, count);
-    for (uint32_t i = 0; i < count; i++) {
-        struct path *p = &w.paths[i];
-        p->light = starts[i].light;
-        if (starts[i].ends)
-            continue;
-        p->throughput = (rgb){1, 1, 1, 0};
-        p->vertex = starts[i].vertex;
-        w.path_of[w.going++] = i;
-    }
-    for (;;) {
-        if (terms)
-            note_terms(&w, terms, count);
-        if (!w.going)
-            break;
-        wave_step(&w);
-    }
-    for (uint32_t i = 0; i < count; i++)
-        radiance[i] = w.paths[i].light;
-    for (uint32_t k = w.bounce + 1; terms && k < terms->count; k++)
-        memcpy(terms->light[k], radiance, count * sizeof radiance[0]);
+    const rgb found = path_emission(s, v);
+    if (rgb_is_black(found))
+        return;
+    const float weight = p->pdf_w == 0 ? 1 : mis_weight(p->pdf_w, light_pdf_w(s, from, &v->at));
+    p->light += p->throughput * found * weight;
 }

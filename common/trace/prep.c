@@ -4,6 +4,7 @@
 #include <assert.h>
 #include <string.h>
 
+#include "common/trace/light8.h"
 #include "common/trace/prep_plan.h"
 
 /* A panorama looks everywhere: its depth is the distance. */
@@ -27,6 +28,7 @@ static void count_pieces(struct prep_plan *p)
     struct stage *head = &p->head;
     head->shapes.count = (uint64_t)p->scene->shape_count + 1;
     head->pick_cdf.count = head->emitters.count + 1;
+    head->lamps.count = light8_fit(p->emitters, head->emitters.count);
     head->materials.count = p->scene->material_count;
     head->trees.count = p->tree_count;
     for (uint32_t i = 0; i < p->tree_count; i++) {
@@ -53,6 +55,7 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->materials, p->scene->materials, sizeof *p->scene->materials},
         {&head->emitters, p->emitters, sizeof *p->emitters},
         {&head->pick_cdf, p->pick_cdf, sizeof *p->pick_cdf},
+        {&head->lamps, NULL, sizeof(struct stage_lamps)},
         {&head->details, p->details, sizeof *p->details},
         {&head->corners, NULL, sizeof(struct stage_corners)},
         {&head->normals, NULL, sizeof(struct stage_normal)},
@@ -169,6 +172,9 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
         prep_detail_write(&p, block);
         prep_texture_write(&p, block);
         place_emitters(&p, (struct emitter *)(void *)(block + p.head.emitters.offset), scratch);
+        if (p.head.lamps.count)
+            light8_lamps((const struct stage *)(const void *)block,
+                         (struct stage_lamps *)(void *)(block + p.head.lamps.offset));
         *stage = (const struct stage *)(const void *)block;
     }
     for (uint32_t i = 0; i < p.tree_count; i++)

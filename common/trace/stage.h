@@ -193,6 +193,18 @@ struct stage_spot {
     float inner, outer; /* 1 - cos of the angles between which its light falls off */
 };
 
+/* The emitters once more, in lanes, where there are few and all are triangles that pick_cdf chooses
+ * among: light8.h. */
+struct stage_lamps {
+    _Alignas(32) float v[3][3][STAGE_LANES]; /* [vertex][axis][lane]; unused lanes are as lane 0 */
+    float normal[3][STAGE_LANES];            /* unit, as of surface_on_triangle */
+    float area[STAGE_LANES], radiance[3][STAGE_LANES];
+    float begin[STAGE_LANES], end[STAGE_LANES]; /* the emitter's part of pick_cdf */
+    uint32_t prim[STAGE_LANES];
+    uint32_t count; /* of emitters */
+    uint32_t pad[7];
+};
+
 struct stage_camera {   /* as perspective and thin lens have it; the others: camera.c */
     float origin[3];
     float corner[3];    /* direction_raw through the top left corner of the frame, 1 deep */
@@ -242,6 +254,7 @@ struct stage {
     struct stage_span materials; /* struct material, names NULL */
     struct stage_span emitters;  /* struct emitter */
     struct stage_span pick_cdf;  /* float: cumulative pick, one more than emitters */
+    struct stage_span lamps;     /* struct stage_lamps: one, or none */
     struct stage_span details;   /* struct stage_detail */
     struct stage_span corners;   /* struct stage_corners */
     struct stage_span normals;   /* struct stage_normal */

@@ -17,6 +17,12 @@ static inline bool textured_has(const struct material *m)
     return m->slot_begin != m->slot_end;
 }
 
+/* Whether it, or a material that it is made of, has: then prep gives its shapes a detail. */
+static inline bool textured_needs(const struct material *m)
+{
+    return m->needs & (MATERIAL_NEEDS_UV | MATERIAL_NEEDS_COLOR);
+}
+
 /* The point of a texture at a surface; width: of the ray's cone there, in m, across dir, unit.
  *
  * The footprint's area is that of the cone's square put onto the surface. Where the surface is seen

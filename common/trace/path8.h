@@ -1,0 +1,67 @@
+/* path8.h - paths in step, in the lanes of vectors: what path.c does at one vertex, at eight at
+ * once, where the vertices are plain: on a triangle that is no instance's, of a diffuse material
+ * without textures.
+ * That is most of them in most scenes.
+ *
+ * path.c is the definition. Here is the same arithmetic, operation by operation, so that a path's
+ * bits do not depend on where it lives (tests/test_wave.c); whatever is not plain is path.c's,
+ * lane by lane. SPDX-License-Identifier: MIT */
+#ifndef COMMON_TRACE_PATH8_H
+#define COMMON_TRACE_PATH8_H
+
+#include "common/trace/sobol8.h"
+#include "common/trace/surface8.h"
+#include "common/trace/warp8.h"
+
+struct path8_vertex { /* as struct path_vertex */
+    struct surface8 at;
+    struct warp8_frame frame;
+    struct vec8 wo, albedo;
+    uint32_t emitter[8];
+    uint32_t material[8];
+    uint32_t shining; /* bit i: the vertex emits to where the ray came from */
+};
+
+struct path8 { /* as struct path */
+    struct vec8 light, throughput;
+    f32x8 scale, pdf_w;
+    struct path8_vertex vertex;
+};
+
+struct path8_draw {
+    struct sobol8_square direction;
+    f32x8 roulette;
+    i32x8 first;   /* the path's first scattering */
+    i32x8 may_end; /* by chance */
+};
+
+/* Lane i becomes what lane k of `from` is. */
+static inline void path8_vertex_take(struct path8_vertex *to, uint32_t i,
+                                     const struct path8_vertex *from, uint32_t k)
+{
+    struct vec8 *const into[] = {&to->at.p,    &to->at.p_error, &to->at.ng, &to->frame.x,
+                                 &to->frame.y, &to->frame.z,    &to->wo,    &to->albedo};
+    const struct vec8 *const out[] = {&from->at.p,    &from->at.p_error, &from->at.ng,
+                                      &from->frame.x, &from->frame.y,    &from->frame.z,
+                                      &from->wo,      &from->albedo};
+    for (size_t n = 0; n < countof(into); n++)
+        vec8_set_lane(into[n], i, vec8_lane(out[n], k));
+    to->at.prim[i] = from->at.prim[k];
+    to->emitter[i] = from->emitter[k];
+    to->material[i] = from->material[k];
+}
+
+/* Bit i: hits[i], among `which`, is plain and lane i holds the vertex. */
+uint32_t path8_arrive(const struct stage *, uint32_t which, const struct ray rays[],
+                      const struct ray_hit hits[], struct path8_vertex *);
+
+/* Light that may reach the vertices. Bit i: *light adds to lane i what comes if shadows[i] hits
+ * nothing. For a stage that light8_can; writes all of shadows. */
+uint32_t path8_light_directly(const struct stage *, const struct path8 *,
+                              const struct sobol8_bits *, struct ray shadows[8],
+                              struct vec8 *light);
+
+/* Bit i: lane i goes on along rays[i]. Writes all of rays. */
+uint32_t path8_scatter(struct path8 *, const struct path8_draw *, struct ray rays[8]);
+
+#endif
