@@ -43,6 +43,23 @@ static inline void fmath_sincos(float x, float *s, float *c)
     fmath_sincos_quarters((float)r, k, s, c);
 }
 
+/* e^x for x <= 0; what is below e^-87 is 0. In double, rounded once: x = k ln 2 + f, |f| <= ln 2 / 2,
+ * and e^f by its series. */
+static inline float fmath_exp(float x)
+{
+    if (!(x > -87))
+        return 0;
+    const int k = (int)((double)x * 1.4426950408889634 - 0.5);
+    const double f = (double)x - k * 0.69314718055994531;
+    double p = 1 + f / 9;
+    for (int n = 8; n > 0; n--)
+        p = 1 + f / n * p;
+    const uint32_t bits = (uint32_t)(k + 127) << 23;
+    float scale;
+    __builtin_memcpy(&scale, &bits, sizeof scale);
+    return (float)p * scale;
+}
+
 /* sin and cos of u full turns, u in [0, 1]. The reduction is exact. */
 static inline void fmath_sincos_turns(float u, float *s, float *c)
 {

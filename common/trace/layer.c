@@ -3,6 +3,7 @@
 
 #include "common/trace/bsdf.h"
 #include "common/trace/material.h"
+#include "common/trace/textured.h"
 
 static void add(double to[], vec3 v)
 {
@@ -15,6 +16,8 @@ static rgb albedo(const struct stage *s, const struct path_vertex *v, const stru
     const struct material *m = v->material;
     if (s->wrapped)
         m = material_at(s, v->at.material, v->wo[2] < 0, rng_single(rng, rng_dimension_choice(0)));
+    struct material textured;
+    m = textured_material(s, m, &v->point, &textured);
     const struct square direction = rng_pair(rng, rng_dimension(0, RNG_BSDF_DIRECTION));
     const float lobe = rng_single(rng, rng_dimension(0, RNG_BSDF_LOBE));
     struct bsdf_sample next;
@@ -30,13 +33,13 @@ static double depth(const struct stage_view *view, vec3 p)
     return (double)(none ? vec3_length(way) : vec3_dot(way, along));
 }
 
-void layer_surface(const struct stage *s, uint32_t layers, const struct path_starts *starts,
+void layer_surface(const struct stage *s, uint32_t layers, const struct wave_starts *starts,
                    const struct rng *rng, uint32_t sample, double channels[])
 {
-    const uint32_t replicate = sample % PATH_WAVE;
+    const uint32_t replicate = sample % WAVE_LANES;
     if (!(layers & LAYER_SURFACE) || !(starts->met >> replicate & 1))
         return;
-    const struct path_vertex first = path_first(s, starts, replicate), *v = &first;
+    const struct path_vertex first = wave_first(s, starts, replicate), *v = &first;
     channels[0] += 1;
     if (layers & LAYER_ALBEDO)
         add(channels + layers_at(layers, LAYER_ALBEDO), albedo(s, v, rng));
@@ -50,7 +53,7 @@ void layer_surface(const struct stage *s, uint32_t layers, const struct path_sta
         channels[layers_at(layers, LAYER_MATERIAL)] = 1 + (double)v->at.material;
 }
 
-void layer_bounces(uint32_t layers, const struct path_terms *terms, uint32_t i, rgb radiance,
+void layer_bounces(uint32_t layers, const struct wave_terms *terms, uint32_t i, rgb radiance,
                    double channels[])
 {
     double *to = channels + layers_bounces_at(layers);

@@ -1,9 +1,10 @@
 /* path8.h - paths in step, in the lanes of vectors: what path.c does at one vertex, at eight at
- * once, where the vertices are plain: on a triangle that is no instance's, of a diffuse material.
+ * once, where the vertices are plain: on a triangle that is no instance's, of a diffuse material
+ * without textures.
  * That is most of them in most scenes.
  *
  * path.c is the definition. Here is the same arithmetic, operation by operation, so that a path's
- * bits do not depend on where it lives (tests/test_path8.c); whatever is not plain is path.c's,
+ * bits do not depend on where it lives (tests/test_wave.c); whatever is not plain is path.c's,
  * lane by lane. SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_PATH8_H
 #define COMMON_TRACE_PATH8_H
@@ -16,8 +17,7 @@ struct path8_vertex { /* as struct path_vertex */
     struct surface8 at;
     struct warp8_frame frame;
     struct vec8 wo, albedo;
-    uint32_t emitter[8];
-    uint32_t material[8];
+    u32x8 emitter, material;
     uint32_t shining; /* bit i: the vertex emits to where the ray came from */
 };
 
@@ -29,9 +29,27 @@ struct path8 { /* as struct path */
 
 struct path8_draw {
     struct sobol8_square direction;
-    const f32x8 *roulette; /* NULL: no path is ended by chance */
-    bool first;            /* the first scattering */
+    f32x8 roulette;
+    i32x8 first;   /* the path's first scattering */
+    i32x8 may_end; /* by chance */
 };
+
+/* Where `lanes` is -1, lane i becomes what lane k[i] of `from` is. */
+static inline void path8_vertex_take(struct path8_vertex *to, i32x8 lanes,
+                                     const struct path8_vertex *from, u32x8 k)
+{
+    to->at.p = vec8_take(lanes, from->at.p, k, to->at.p);
+    to->at.p_error = vec8_take(lanes, from->at.p_error, k, to->at.p_error);
+    to->at.ng = vec8_take(lanes, from->at.ng, k, to->at.ng);
+    to->at.prim = u32x8_take(lanes, from->at.prim, k, to->at.prim);
+    to->frame.x = vec8_take(lanes, from->frame.x, k, to->frame.x);
+    to->frame.y = vec8_take(lanes, from->frame.y, k, to->frame.y);
+    to->frame.z = to->at.ng;
+    to->wo = vec8_take(lanes, from->wo, k, to->wo);
+    to->albedo = vec8_take(lanes, from->albedo, k, to->albedo);
+    to->emitter = u32x8_take(lanes, from->emitter, k, to->emitter);
+    to->material = u32x8_take(lanes, from->material, k, to->material);
+}
 
 /* Bit i: hits[i], among `which`, is plain and lane i holds the vertex. */
 uint32_t path8_arrive(const struct stage *, uint32_t which, const struct ray rays[],

@@ -36,13 +36,13 @@ static bool is_stopped(const struct stage *s, const struct rng *rng, uint32_t bo
     }
 }
 
-uint32_t path_mask_pass(const struct stage *s, const struct rng rngs[], uint32_t bounce,
+uint32_t path_mask_pass(const struct stage *s, const struct rng rngs[], u32x8 bounce,
                         uint32_t found, struct ray rays[], struct ray_hit hits[])
 {
     uint32_t stopped = 0;
     for (; found; found &= found - 1) {
         const uint32_t i = (uint32_t)__builtin_ctz(found);
-        if (is_stopped(s, &rngs[i], bounce, &rays[i], &hits[i]))
+        if (is_stopped(s, &rngs[i], bounce[i], &rays[i], &hits[i]))
             stopped |= 1u << i;
     }
     return stopped;

@@ -9,10 +9,10 @@
 #include "common/trace/ray.h"
 #include "common/trace/rng.h"
 
-/* Rays of paths, ray i with the numbers of path i, after so many scattering events. found: bit i of
- * those that have a hit, hits[i] the closest; returns the same for those that are stopped, hits[i]
- * then the first that does it, and rays[i] as it was traced last. */
-uint32_t path_mask_pass(const struct stage *, const struct rng rngs[], uint32_t bounce,
+/* Rays of paths, ray i with the numbers of path i, after bounce[i] scattering events. found: bit i
+ * of those that have a hit, hits[i] the closest; returns the same for those that are stopped,
+ * hits[i] then the first that does it, and rays[i] as it was traced last. */
+uint32_t path_mask_pass(const struct stage *, const struct rng rngs[], u32x8 bounce,
                         uint32_t found, struct ray rays[], struct ray_hit hits[]);
 
 /* The share of light that passes along a shadow ray. */

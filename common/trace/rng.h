@@ -11,7 +11,7 @@
  *
  *     0                     the pixel filter, a pair
  *     1 + 4 bounce + p      purpose p below, at each bounce; a pair or a single number
- *     2^20 + bounce         which material of those that make up one; a single number
+ *     2^20 + 4 bounce       which material of those that make up one; a single number
  *     2^31 + 2^16 bounce + n    whether the n-th mask that the ray meets after so many bounces
  *                           stops it (from 2^16 masks on numbers are used again); a single number
  *     2^30                  the place on the lens, a pair: the elder's, like the filter's
@@ -77,7 +77,7 @@ static inline uint32_t rng_dimension(uint32_t bounce, enum rng_purpose purpose)
 
 static inline uint32_t rng_dimension_choice(uint32_t bounce)
 {
-    return (1u << 20) + bounce;
+    return (1u << 20) + bounce * RNG_PURPOSES; /* as far apart as the others: rng8_next_bounce */
 }
 
 static inline uint32_t rng_dimension_mask(uint32_t bounce, uint32_t crossing)
@@ -148,6 +148,20 @@ static inline void rng8_make(struct rng8 *to, const struct rng r[], uint32_t cou
         (u32x8){from[0].index_reversed, from[1].index_reversed, from[2].index_reversed,
                 from[3].index_reversed, from[4].index_reversed, from[5].index_reversed,
                 from[6].index_reversed, from[7].index_reversed};
+}
+
+static inline void rng8_set_lane(struct rng8 *r, uint32_t i, const struct rng *from)
+{
+    r->key[i / 4][i % 4] = from->key;
+    r->index_reversed[i] = from->index_reversed;
+}
+
+/* A bounce further: what was dimension rng_dimension(n + 1, p) is rng_dimension(n, p) now. So lanes
+ * at different bounces draw at once. */
+static inline void rng8_next_bounce(struct rng8 *r)
+{
+    for (int i = 0; i < 2; i++)
+        r->key[i] += RNG_PURPOSES * 0x9e3779b97f4a7c15u;
 }
 
 static inline u64x4 rng8_mix(u64x4 x)
