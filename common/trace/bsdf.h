@@ -1,7 +1,8 @@
 /* bsdf.h - how a surface scatters: eval, sample, pdf.
  *
- * Directions are local and unit: z is the geometric normal of the front side (shading normals do
- * not exist yet), wo and wi point away from the surface, and either may lie below it.
+ * Directions are local and unit: z is the shading normal of the front side, x the tangent where the
+ * material needs it (enum material_needs), wo and wi point away from the surface, and either may
+ * lie below it. Whether the geometric normal agrees is the caller's business (path_shade.h).
  * Opaque materials look the same from both sides. Only radiance is transported, towards
  * the camera.
  *
@@ -43,6 +44,12 @@ static inline bool bsdf_is_delta(const struct material *m)
         return m->conductor.alpha < BSDF_LEAST_ALPHA;
     }
     __builtin_unreachable();
+}
+
+/* Whether the viewer's direction changes nothing but the side that is seen. */
+static inline bool bsdf_is_matte(const struct material *m)
+{
+    return m->kind == MATERIAL_DIFFUSE;
 }
 
 /* Whether sampling chooses among kinds of scattering: else bsdf_sample does not look at `lobe`. */

@@ -4,6 +4,7 @@
 #include "common/trace/bsdf.h"
 #include "common/trace/bvh.h"
 #include "common/trace/light.h"
+#include "common/trace/path_shade.h"
 #include "common/trace/warp.h"
 
 /* The power heuristic with exponent 2 for the technique of density a beside one of density b. As a
@@ -28,8 +29,8 @@ static float survival(float share)
     return q < 1 ? q : 1;
 }
 
-static struct path_vertex vertex_make(const struct stage *s, const struct ray *ray,
-                                      const struct ray_hit *hit)
+static inline __attribute__((always_inline)) struct path_vertex
+vertex_make(const struct stage *s, const struct ray *ray, const struct ray_hit *hit)
 {
     const struct surface at = surface_at(s, ray, hit);
     const struct warp_frame frame = warp_frame_make(at.ng);
@@ -62,6 +63,8 @@ void path_begin(const struct stage *s, const struct ray rays[], uint32_t count,
             continue;
         }
         start->vertex = vertex_make(s, &rays[i], &hits[i]);
+        if (s->details.count)
+            path_shade(s, &rays[i], &hits[i], &start->vertex, &start->raised);
         start->light = emission(s, &start->vertex);
         start->ends = s->settings.max_bounces == 0;
     }
@@ -83,6 +86,7 @@ struct wave {
     struct rng8 rng;
     uint32_t bounce, roulette_begin;
     struct path paths[PATH_WAVE];
+    struct path_raised raised[PATH_WAVE]; /* in a scene with details */
 
     /* A bounce's random numbers, by path: made for all at once, which costs less than for two of
      * them alone. */
@@ -100,20 +104,48 @@ struct wave {
     rgb light[PATH_WAVE];
 };
 
+/* The same light for the directions that only a raised point has: few, so they are traced at once.
+ */
+static __attribute__((cold, noinline)) void light_raised(struct wave *w, uint32_t path,
+                                                         struct sobol_bits place)
+{
+    const struct path_vertex *v = &w->paths[path].vertex;
+    const struct path_raised *raised = &w->raised[path];
+    const struct surface from = path_shade_raised(raised, v);
+    struct light_sample light;
+    if (!raised->is || !light_sample(w->stage, &from, place, &light))
+        return;
+    const vec3 wi = warp_to_local(&v->frame, light.wi);
+    if (!path_shade_is_raised(raised, v, light.wi, wi))
+        return;
+    rgb f = bsdf_eval(v->material, v->wo, wi) * light.value;
+    if (rgb_is_black(f) || !path_shade_is_clear(w->stage, raised, v) ||
+        bvh_hit_any(w->stage, &light.shadow))
+        return;
+    if (light.pdf_w != 0)
+        f *= mis_weight(light.pdf_w, bsdf_pdf_w(v->material, v->wo, wi));
+    w->paths[path].light += w->paths[path].throughput * f;
+}
+
 /* Light that may reach the vertex from one chosen emitter and goes on to wo, MIS-weighted. */
-static void light_directly(struct wave *w, uint32_t path)
+static inline __attribute__((always_inline)) void light_directly(struct wave *w, uint32_t path,
+                                                                 bool details)
 {
     const struct stage *s = w->stage;
-    const struct path *p = &w->paths[path];
+    struct path *p = &w->paths[path];
     const struct path_vertex *v = &p->vertex;
     const struct material *m = v->material;
     if (s->emitters.count == 0 || bsdf_is_delta(m))
         return;
     const struct sobol_bits place = {w->lamp.u[path], w->lamp.v[path]};
+    if (details)
+        light_raised(w, path, place);
     struct light_sample light;
     if (!light_sample(s, &v->at, place, &light))
         return;
     const vec3 wi = warp_to_local(&v->frame, light.wi);
+    if (details && !(vec3_dot(light.wi, v->at.ng) * wi[2] > 0))
+        return;
     rgb f = bsdf_eval(m, v->wo, wi);
     if (rgb_is_black(f))
         return;
@@ -126,7 +158,8 @@ static void light_directly(struct wave *w, uint32_t path)
 }
 
 /* The next ray; false: there is none. */
-static bool scatter(struct wave *w, uint32_t path, struct ray *ray)
+static inline __attribute__((always_inline)) bool scatter(struct wave *w, uint32_t path,
+                                                          bool details, struct ray *ray)
 {
     struct path *p = &w->paths[path];
     const struct path_vertex *v = &p->vertex;
@@ -140,7 +173,8 @@ static bool scatter(struct wave *w, uint32_t path, struct ray *ray)
     p->scale = w->bounce == 0 ? rgb_max(p->throughput) : p->scale * next.scale;
     p->pdf_w = next.pdf_w;
     const vec3 dir = warp_to_world(&v->frame, next.wi);
-    if (!(vec3_dot(dir, v->at.ng) * next.wi[2] > 0)) /* rounding put it on the wrong side */
+    if (!(vec3_dot(dir, v->at.ng) * next.wi[2] > 0) && /* by rounding, or a shading normal */
+        !(details && path_shade_move(w->stage, &w->raised[path], &p->vertex, dir, next.wi)))
         return false;
     if (w->bounce >= w->roulette_begin) { /* a channel weaker than the strongest only gains */
         const float q = survival(rgb_max(p->throughput) / p->scale);
@@ -155,7 +189,9 @@ static bool scatter(struct wave *w, uint32_t path, struct ray *ray)
 }
 
 /* The next vertex, or the sky. False: the path ends there. */
-static bool arrive(struct wave *w, uint32_t path, const struct ray *ray, const struct ray_hit *hit)
+static inline __attribute__((always_inline)) bool arrive(struct wave *w, uint32_t path,
+                                                         bool details, const struct ray *ray,
+                                                         const struct ray_hit *hit)
 {
     const struct stage *s = w->stage;
     struct path *p = &w->paths[path];
@@ -165,6 +201,8 @@ static bool arrive(struct wave *w, uint32_t path, const struct ray *ray, const s
     }
     const vec3 from = p->vertex.at.p;
     p->vertex = vertex_make(s, ray, hit);
+    if (details)
+        path_shade(s, ray, hit, &p->vertex, &w->raised[path]);
 
     /* Emission found by the BSDF's sampling; a delta lobe's by nothing else */
     const rgb found = emission(s, &p->vertex);
@@ -176,7 +214,7 @@ static bool arrive(struct wave *w, uint32_t path, const struct ray *ray, const s
     return w->bounce + 1 < s->settings.max_bounces;
 }
 
-static void draw(struct wave *w)
+static inline __attribute__((always_inline)) void draw(struct wave *w)
 {
     bool lobes = false;
     for (uint32_t i = 0; i < w->going; i++)
@@ -190,17 +228,18 @@ static void draw(struct wave *w)
         w->roulette = rng8_single(&w->rng, rng_dimension(w->bounce, RNG_ROULETTE));
 }
 
-/* All paths from their vertices to the next ones. */
-static void wave_step(struct wave *w)
+/* All paths from their vertices to the next ones. details: whether the scene has any; a constant,
+ * so that a scene without them does without asking. */
+static inline __attribute__((always_inline)) void wave_step(struct wave *w, const bool details)
 {
     uint32_t going = 0;
     draw(w);
     w->shadow_count = 0;
     for (uint32_t i = 0; i < w->going; i++) {
         const uint32_t path = w->path_of[i];
-        light_directly(w, path);
+        light_directly(w, path, details);
         w->path_of[going] = path;
-        going += scatter(w, path, &w->rays[going]);
+        going += scatter(w, path, details, &w->rays[going]);
     }
     const uint32_t dark = bvh_hit_any_8(w->stage, w->shadows, w->shadow_count);
     for (uint32_t i = 0; i < w->shadow_count; i++)
@@ -213,9 +252,15 @@ static void wave_step(struct wave *w)
     for (uint32_t i = 0; i < going; i++) {
         const uint32_t path = w->path_of[i];
         w->path_of[w->going] = path;
-        w->going += arrive(w, path, &w->rays[i], found >> i & 1 ? &hits[i] : NULL);
+        w->going += arrive(w, path, details, &w->rays[i], found >> i & 1 ? &hits[i] : NULL);
     }
     w->bounce++;
+}
+
+static __attribute__((noinline)) void follow_details(struct wave *w)
+{
+    while (w->going)
+        wave_step(w, true);
 }
 
 void path_radiance(const struct stage *s, const struct path_start starts[], const struct rng rngs[],
@@ -234,10 +279,14 @@ void path_radiance(const struct stage *s, const struct path_start starts[], cons
             continue;
         p->throughput = (rgb){1, 1, 1, 0};
         p->vertex = starts[i].vertex;
+        if (s->details.count)
+            w.raised[i] = starts[i].raised;
         w.path_of[w.going++] = i;
     }
+    if (s->details.count)
+        follow_details(&w);
     while (w.going)
-        wave_step(&w);
+        wave_step(&w, false);
     for (uint32_t i = 0; i < count; i++)
         radiance[i] = w.paths[i].light;
 }

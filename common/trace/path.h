@@ -28,10 +28,16 @@ struct path_vertex { /* where a ray has arrived */
     vec3 wo; /* where the ray came from; local */
 };
 
+struct path_raised { /* beside a vertex in a scene with details (path_shade.h) */
+    bool is;         /* light from below the triangle and above the frame's plane is gathered at: */
+    vec3 p;
+};
+
 struct path_start {            /* a camera ray: what a path and its sibling (rng.h) share */
     rgb light;                 /* of the sky, or of the vertex itself */
     bool ends;                 /* nothing else comes along the ray */
     struct path_vertex vertex; /* where it is scattered, unless it ends */
+    struct path_raised raised;
 };
 
 /* The rays' directions: unit. */
