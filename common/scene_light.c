@@ -5,6 +5,7 @@
 
 static const struct scene_range brightness = {0, SCENE_MAX_ABS, false};
 static const struct scene_range coordinate = {-SCENE_MAX_ABS, SCENE_MAX_ABS, false};
+static const double radians = 3.14159265358979323846 / 180; /* of a degree */
 
 static bool read_direction(struct scene_doc *doc, const struct scene_at *at, const char *key,
                            float out[3])
@@ -23,17 +24,69 @@ static bool read_direction(struct scene_doc *doc, const struct scene_at *at, con
     return true;
 }
 
+static void read_position(struct scene_doc *doc, const struct scene_at *at, float out[3])
+{
+    double p[3] = {0};
+    scene_key_numbers(doc, at, "position", coordinate, p, 3);
+    for (int i = 0; i < 3; i++)
+        out[i] = (float)p[i];
+}
+
+static void read_spot(struct scene_doc *doc, const struct scene_at *at, struct light *l)
+{
+    static const struct scene_key keys[] = {{"type", true},       {"position", true},
+                                            {"direction", true},  {"intensity", true},
+                                            {"inner_deg", false}, {"outer_deg", true}};
+    double inner = 0, outer = 180;
+    struct scene_at inner_at;
+    scene_doc_object(doc, at, "a spot light", keys, countof(keys));
+    read_position(doc, at, l->spot.position);
+    read_direction(doc, at, "direction", l->spot.direction);
+    scene_key_rgb(doc, at, "intensity", brightness, &l->spot.intensity);
+    scene_key_number(doc, at, "inner_deg", (struct scene_range){0, 180, false}, &inner);
+    scene_key_number(doc, at, "outer_deg", (struct scene_range){.01, 180, false}, &outer);
+    if (inner > outer && scene_at_member(at, "inner_deg", &inner_at))
+        scene_doc_fault(doc, &inner_at, ERR_INPUT,
+                        "expected a number of at most \"outer_deg\", %.16g, got %.16g", outer,
+                        inner);
+    l->spot.inner_rad = (float)(inner * radians);
+    l->spot.outer_rad = (float)(outer * radians);
+}
+
+static void read_sun(struct scene_doc *doc, const struct scene_at *at, struct light *l)
+{
+    static const struct scene_key keys[] = {{"type", true},
+                                            {"direction", true},
+                                            {"diameter_deg", true},
+                                            {"radiance", false},
+                                            {"irradiance", false}};
+    double diameter = 1;
+    struct scene_at found;
+    scene_doc_object(doc, at, "a sun", keys, countof(keys));
+    read_direction(doc, at, "direction", l->sun.direction);
+    scene_key_number(doc, at, "diameter_deg", (struct scene_range){.01, 180, false}, &diameter);
+    const bool has_radiance = scene_at_member(at, "radiance", &found);
+    if (has_radiance == scene_at_member(at, "irradiance", &found))
+        scene_doc_fault(doc, at, ERR_INPUT, "a sun needs \"radiance\" or \"irradiance\", got %s",
+                        has_radiance ? "both" : "neither");
+    scene_key_rgb(doc, at, "radiance", brightness, &l->sun.radiance);
+    scene_key_rgb(doc, at, "irradiance", brightness, &l->sun.irradiance);
+    l->sun.radius_rad = (float)(diameter / 2 * radians);
+}
+
 static void read_light(struct scene_doc *doc, const struct scene_at *at, struct light *l)
 {
-    static const char *const kinds[] = {
-        [LIGHT_SKY] = "sky", [LIGHT_POINT] = "point", [LIGHT_DISTANT] = "distant"};
+    static const char *const kinds[] = {[LIGHT_SKY] = "sky",
+                                        [LIGHT_POINT] = "point",
+                                        [LIGHT_DISTANT] = "distant",
+                                        [LIGHT_SPOT] = "spot",
+                                        [LIGHT_SUN] = "sun"};
     static const struct scene_key sky[] = {{"type", true}, {"radiance", true}};
     static const struct scene_key point[] = {
         {"type", true}, {"position", true}, {"intensity", true}};
     static const struct scene_key distant[] = {
         {"type", true}, {"direction", true}, {"irradiance", true}};
     size_t kind;
-    double p[3] = {0};
     if (!scene_doc_kind(doc, at, "a light", kinds, countof(kinds), &kind))
         return;
     l->kind = (enum light_kind)kind;
@@ -44,15 +97,19 @@ static void read_light(struct scene_doc *doc, const struct scene_at *at, struct 
         return;
     case LIGHT_POINT:
         scene_doc_object(doc, at, "a point light", point, countof(point));
-        scene_key_numbers(doc, at, "position", coordinate, p, 3);
-        for (int i = 0; i < 3; i++)
-            l->point.position[i] = (float)p[i];
+        read_position(doc, at, l->point.position);
         scene_key_rgb(doc, at, "intensity", brightness, &l->point.intensity);
         return;
     case LIGHT_DISTANT:
         scene_doc_object(doc, at, "a distant light", distant, countof(distant));
         read_direction(doc, at, "direction", l->distant.direction);
         scene_key_rgb(doc, at, "irradiance", brightness, &l->distant.irradiance);
+        return;
+    case LIGHT_SPOT:
+        read_spot(doc, at, l);
+        return;
+    case LIGHT_SUN:
+        read_sun(doc, at, l);
         return;
     }
 }

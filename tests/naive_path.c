@@ -138,6 +138,16 @@ static bool scatter(const struct material *m, bool front, struct dir wo, struct 
         return either_dielectric(m, front, wo, dice, wi, weight);
     case MATERIAL_CONDUCTOR:
         return conductor(m, wo, dice, wi, weight);
+    case MATERIAL_METAL:
+    case MATERIAL_ROUGH_DIFFUSE:
+    case MATERIAL_RETROREFLECTOR:
+    case MATERIAL_LEAF:
+    case MATERIAL_PLASTIC:
+    case MATERIAL_CLOTH:
+    case MATERIAL_MIX:
+    case MATERIAL_MASK:
+    case MATERIAL_TWO_SIDED:
+        break; /* scenes with them are beyond it */
     }
     __builtin_unreachable();
 }
@@ -156,6 +166,16 @@ static void add(double sum[3], const double throughput[3], vec3 radiance)
         sum[k] += throughput[k] * (double)radiance[k];
 }
 
+static bool in_sun(const struct emitter *sun, vec3 dir)
+{
+    double dot = 0, length = 0;
+    for (int k = 0; k < 3; k++) {
+        dot -= (double)dir[k] * (double)sun->at[k];
+        length += (double)dir[k] * (double)dir[k];
+    }
+    return 1 - dot / sqrt(length) <= (double)sun->cap;
+}
+
 void naive_path_radiance(const struct stage *s, struct ray ray, struct dice *dice, double sum[3])
 {
     const struct material *materials = stage_at(s, s->materials);
@@ -165,6 +185,9 @@ void naive_path_radiance(const struct stage *s, struct ray ray, struct dice *dic
         struct ray_hit hit;
         if (!bvh_hit_closest(s, &ray, &hit)) {
             add(sum, throughput, s->sky);
+            for (uint32_t e = s->beyond_begin; e < s->emitters.count; e++)
+                if (in_sun(&emitters[e], ray.dir))
+                    add(sum, throughput, vec3_load(emitters[e].radiance));
             return;
         }
         const struct surface at = surface_at(s, &ray, &hit);

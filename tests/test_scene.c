@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "common/buf.h"
+#include "common/layers.h"
 #include "tests/tap.h"
 
 static struct arena arena;
@@ -74,6 +75,16 @@ static void defaults(void)
        "an empty scene is empty");
 }
 
+static bool filtered(const char *filter)
+{
+    char json[1024];
+    snprintf(json, sizeof json,
+             "{\"smalti\": 1, \"film\": {\"width\": 64, \"height\": 48, \"filter\": %s}, " CAMERA
+             ", \"materials\": {}, \"shapes\": []}",
+             filter);
+    return parse(json);
+}
+
 static void film_and_settings(void)
 {
     ok(parse("{\"smalti\": 1.0, \"title\": \"B\\u00f6x\", \"film\": {\"width\": 640.0, "
@@ -89,14 +100,33 @@ static void film_and_settings(void)
     ok(scene.film.crop_x_begin == 10 && scene.film.crop_y_begin == 20 &&
            scene.film.crop_x_end == 30 && scene.film.crop_y_end == 40,
        "crop is x_begin, y_begin, x_end, y_end");
+    ok(scene.film.layers == 0, "no layers are made unless asked for");
     ok(scene.settings.max_bounces == 0 && scene.settings.seed == 9007199254740991u,
        "bounces and seed reach the ends of their ranges");
     ok(scene.settings.target.error == .02 && scene.settings.target.seconds == 60 &&
            scene.settings.target.spp == SCENE_MAX_SPP,
        "beside another target, samples are unlimited");
+    const struct scene_film *film = &scene.film;
+    ok(filtered("{\"type\": \"gaussian\"}") && film->filter == FILTER_GAUSSIAN &&
+           film->filter_sigma_px == .5f && film->filter_radius_px == 1.5f &&
+           filtered("{\"type\": \"gaussian\", \"radius\": 3, \"sigma\": 0.75}") &&
+           film->filter_sigma_px == .75f && film->filter_radius_px == 3,
+       "gaussian, by default of sigma 0.5");
+    ok(filtered("{\"type\": \"blackman_harris\"}") && film->filter == FILTER_BLACKMAN_HARRIS &&
+           film->filter_radius_px == 1.5f,
+       "blackman_harris");
+    ok(filtered("{\"type\": \"mitchell\"}") && film->filter == FILTER_MITCHELL &&
+           film->filter_b == 1 / 3.f && film->filter_c == 1 / 3.f && film->filter_radius_px == 2 &&
+           filtered("{\"type\": \"mitchell\", \"c\": 0.5, \"b\": 0}") && film->filter_b == 0 &&
+           film->filter_c == .5f,
+       "mitchell, by default of b = c = 1/3");
     ok(parse("{\"smalti\": 1, \"film\": {\"width\": 16384, \"height\": 16384, \"crop\": "
              "[16000, 16000, 16384, 16384]}, " CAMERA ", \"materials\": {}, \"shapes\": []}"),
        "the limit of pixels counts those that are rendered");
+    ok(parse("{\"smalti\": 1, \"film\": {\"width\": 9, \"height\": 9, \"layers\": [\"material\", "
+             "\"albedo\"], \"bounces\": 3}, " CAMERA ", \"materials\": {}, \"shapes\": []}") &&
+           scene.film.layers == layers_make(LAYER_MATERIAL | LAYER_ALBEDO, 3),
+       "layers are a set, bounces a count");
 }
 
 static void camera(void)
@@ -121,6 +151,38 @@ static void camera(void)
        "a matrix of six digits is rigid enough");
     const double h = sqrt(.5);
     ok(near_point(x, (double[]){1, 0, 0}, (double[]){4 + h, 5, 6 - h}), "and is made exact");
+}
+
+static bool seen_by(const char *camera)
+{
+    char json[1024];
+    snprintf(json, sizeof json,
+             "{\"smalti\": 1, " FILM ", \"camera\": {\"look_at\": {\"from\": [1, 2, 3], \"to\": "
+             "[1, 2, 0]}, %s}, \"materials\": {}, \"shapes\": []}",
+             camera);
+    return parse(json);
+}
+
+static void cameras(void)
+{
+    const struct scene_camera *c = &scene.camera;
+    ok(seen_by("\"type\": \"thin_lens\", \"fov_deg\": 90, \"aperture_radius\": 0.25, "
+               "\"focus_distance\": 4") &&
+           c->kind == CAMERA_THIN_LENS && c->lens_radius == .25f && c->focus == 4 && !c->blades &&
+           fabsf(c->fov_y_rad - 1.5707963f) < 1e-6f,
+       "thin lens, round by default");
+    ok(seen_by("\"type\": \"thin_lens\", \"fov_deg\": 90, \"aperture_radius\": 4, "
+               "\"focus_distance\": 4, \"blades\": 7, \"blade_angle_deg\": -90") &&
+           c->blades == 7 && c->blades_turn == .75f,
+       "as wide as its focus is far; seven blades, turned");
+    ok(seen_by("\"type\": \"orthographic\", \"width\": 2.5") && c->kind == CAMERA_ORTHOGRAPHIC &&
+           c->width == 2.5f && c->height == 0,
+       "orthographic by its width");
+    ok(seen_by("\"type\": \"orthographic\", \"height\": 2") && c->width == 0 && c->height == 2,
+       "or its height");
+    ok(seen_by("\"type\": \"panoramic\"") && c->kind == CAMERA_PANORAMIC &&
+           near_point(&c->to_world, (double[]){0, 0, -3}, (double[]){1, 2, 0}),
+       "panoramic");
 }
 
 static void materials(void)
@@ -249,15 +311,28 @@ static void lights(void)
     ok(parse(HEAD "\"materials\": {}, \"shapes\": [], \"lights\": [{\"type\": \"sky\", "
                   "\"radiance\": [1, 2, 3]}, {\"type\": \"point\", \"position\": [4, 5, 6], "
                   "\"intensity\": 7}, {\"type\": \"distant\", \"direction\": [0, -3, -4], "
-                  "\"irradiance\": 0}]}"),
+                  "\"irradiance\": 0}, {\"type\": \"spot\", \"position\": [1, 2, 3], \"direction\": "
+                  "[0, 0, 2], \"intensity\": [4, 5, 6], \"inner_deg\": 30, \"outer_deg\": 60}, "
+                  "{\"type\": \"sun\", \"direction\": [0, -1, 0], \"diameter_deg\": 2, \"radiance\": 3}, "
+                  "{\"type\": \"sun\", \"direction\": [0, -1, 0], \"diameter_deg\": 180, "
+                  "\"irradiance\": 4}]}"),
        "every kind of light");
     const struct light *l = scene.lights;
-    ok(scene.light_count == 3 && l[0].kind == LIGHT_SKY && is_rgb(l[0].sky.radiance, 1, 2, 3),
+    ok(scene.light_count == 6 && l[0].kind == LIGHT_SKY && is_rgb(l[0].sky.radiance, 1, 2, 3),
        "sky");
     ok(l[1].kind == LIGHT_POINT && is_vec(l[1].point.position, 4, 5, 6) &&
            is_rgb(l[1].point.intensity, 7, 7, 7),
        "point");
     ok(l[2].kind == LIGHT_DISTANT && is_vec(l[2].distant.direction, 0, -.6, -.8), "distant");
+    ok(l[3].kind == LIGHT_SPOT && is_vec(l[3].spot.position, 1, 2, 3) &&
+           is_vec(l[3].spot.direction, 0, 0, 1) && is_rgb(l[3].spot.intensity, 4, 5, 6) &&
+           fabs((double)l[3].spot.inner_rad - .5235987756) < 1e-7 &&
+           fabs((double)l[3].spot.outer_rad - 1.0471975512) < 1e-7,
+       "spot");
+    ok(l[4].kind == LIGHT_SUN && fabs((double)l[4].sun.radius_rad - .0174532925) < 1e-9 &&
+           is_rgb(l[4].sun.radiance, 3, 3, 3) && is_rgb(l[4].sun.irradiance, 0, 0, 0) &&
+           is_rgb(l[5].sun.irradiance, 4, 4, 4) && is_rgb(l[5].sun.radiance, 0, 0, 0),
+       "suns by radiance and by irradiance");
 }
 
 static bool one_error(enum err_code code, const char *where, const char *what)
@@ -379,6 +454,7 @@ int main(void)
     defaults();
     film_and_settings();
     camera();
+    cameras();
     materials();
     shapes();
     transforms();

@@ -2,6 +2,8 @@
 #include "common/trace/light.h"
 
 #include "common/trace/light_cylinder.h"
+#include "common/trace/light_spot.h"
+#include "common/trace/light_sun.h"
 #include "common/trace/warp.h"
 
 static const struct emitter *emitter_at(const struct stage *s, uint32_t emitter)
@@ -173,6 +175,37 @@ static bool sample_primitive(const struct stage *s, const struct surface *from,
     return true;
 }
 
+static bool sample_point(const struct stage *s, const struct surface *from, const struct emitter *e,
+                         float pick, struct light_sample *out)
+{
+    const vec3 d = vec3_load(e->at) - from->p;
+    const float dd = vec3_dot(d, d);
+    if (!(dd > 0))
+        return false;
+    out->wi = vec3_unit(d);
+    out->value = vec3_load(e->radiance) / (dd * pick);
+    if (e->kind == EMITTER_SPOT) {
+        const struct stage_spot *spot = (const struct stage_spot *)stage_at(s, s->spots) + e->index;
+        const float part = light_spot_falloff(spot, -out->wi);
+        if (!(part > 0))
+            return false;
+        out->value *= part;
+    }
+    out->pdf_w = 0;
+    out->shadow = surface_to_point(from, vec3_load(e->at));
+    return true;
+}
+
+static bool sample_sun(const struct surface *from, const struct emitter *e, float pick,
+                       struct square q, struct light_sample *out)
+{
+    out->wi = light_sun_direction(e, q);
+    out->pdf_w = pick * light_sun_pdf_w(e);
+    out->value = vec3_load(e->radiance) / out->pdf_w;
+    out->shadow = surface_leave(from, out->wi);
+    return true;
+}
+
 bool light_sample(const struct stage *s, const struct surface *from, struct sobol_bits q,
                   struct light_sample *out)
 {
@@ -186,17 +219,12 @@ bool light_sample(const struct stage *s, const struct surface *from, struct sobo
     case EMITTER_PRIM:
         return sample_primitive(s, from, e, probability,
                                 (struct square){pick_rest(s, chosen, u), sobol_float(q.v)}, out);
-    case EMITTER_POINT: {
-        const vec3 d = vec3_load(e->at) - from->p;
-        const float dd = vec3_dot(d, d);
-        if (!(dd > 0))
-            return false;
-        out->wi = vec3_unit(d);
-        out->value = vec3_load(e->radiance) / (dd * (float)probability);
-        out->pdf_w = 0;
-        out->shadow = surface_to_point(from, vec3_load(e->at));
-        return true;
-    }
+    case EMITTER_POINT:
+    case EMITTER_SPOT:
+        return sample_point(s, from, e, (float)probability, out);
+    case EMITTER_SUN:
+        return sample_sun(from, e, (float)probability,
+                          (struct square){pick_rest(s, chosen, u), sobol_float(q.v)}, out);
     case EMITTER_DISTANT:
         out->wi = -vec3_load(e->at);
         out->value = vec3_load(e->radiance) / (float)probability;
@@ -205,6 +233,18 @@ bool light_sample(const struct stage *s, const struct surface *from, struct sobo
         return true;
     }
     __builtin_unreachable();
+}
+
+rgb light_beyond(const struct stage *s, uint32_t emitter, vec3 dir)
+{
+    const struct emitter *e = emitter_at(s, emitter);
+    return light_sun_meets(e, dir) ? vec3_load(e->radiance) : rgb_gray(0);
+}
+
+float light_beyond_pdf_w(const struct stage *s, uint32_t emitter, vec3 dir)
+{
+    const struct emitter *e = emitter_at(s, emitter);
+    return light_sun_meets(e, dir) ? (float)pick_probability(s, emitter) * light_sun_pdf_w(e) : 0;
 }
 
 float light_pdf_w(const struct stage *s, vec3 from, const struct surface *at)

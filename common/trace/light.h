@@ -4,8 +4,8 @@
  * where in that part is a u again. So points that are spread evenly over the square are spread so
  * over neighbours in the table, such as the triangles of a quad. Then a point on the emitter:
  * triangles and discs uniformly by area, spheres uniformly by the solid angle they fill, cylinders
- * nearly so (light_cylinder.h), point and distant lights as they are. Emission is one-sided: only
- * the front of a surface shines.
+ * nearly so (light_cylinder.h), the sun uniformly in its cone, point, spot and distant lights as
+ * they are. Emission is one-sided: only the front of a surface shines.
  *
  * The sky is no emitter here. It has one radiance everywhere, so sampling it would be sampling the
  * sphere blindly: the BSDF's own sampling is never worse, and finds it with weight 1.
@@ -31,5 +31,10 @@ bool light_sample(const struct stage *, const struct surface *from, struct sobol
 /* The density with which light_sample at `from` would have chosen the front side of `at`, a point
  * of an emissive primitive seen from there. */
 float light_pdf_w(const struct stage *, vec3 from, const struct surface *at);
+
+/* What a ray along dir (unit) that leaves the scene meets of an emitter from stage.beyond_begin on;
+ * and the density with which light_sample would have chosen dir for that emitter's sake. */
+rgb light_beyond(const struct stage *, uint32_t emitter, vec3 dir);
+float light_beyond_pdf_w(const struct stage *, uint32_t emitter, vec3 dir);
 
 #endif

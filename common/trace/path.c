@@ -4,6 +4,8 @@
 #include "common/trace/bsdf.h"
 #include "common/trace/bvh.h"
 #include "common/trace/light.h"
+#include "common/trace/path_mask.h"
+#include "common/trace/path_media.h"
 #include "common/trace/path_shade.h"
 #include "common/trace/warp.h"
 
@@ -29,264 +31,135 @@ static float survival(float share)
     return q < 1 ? q : 1;
 }
 
-static inline __attribute__((always_inline)) struct path_vertex
-vertex_make(const struct stage *s, const struct ray *ray, const struct ray_hit *hit)
+struct path_vertex path_vertex_make(const struct stage *s, const struct ray *ray,
+                                    const struct ray_hit *hit)
 {
     const struct surface at = surface_at(s, ray, hit);
     const struct warp_frame frame = warp_frame_make(at.ng);
-    return (struct path_vertex){
+    struct path_vertex v = {
         .at = at,
         .frame = frame,
         .material = (const struct material *)stage_at(s, s->materials) + at.material,
         .wo = warp_to_local(&frame, -ray->dir),
     };
+    if (s->details.count)
+        path_shade(s, ray, hit, &v);
+    return v;
 }
 
-/* What the vertex emits to where the ray came from. */
-static rgb emission(const struct stage *s, const struct path_vertex *v)
+rgb path_beyond(const struct stage *s, vec3 dir, float pdf_w)
+{
+    rgb light = s->sky;
+    for (uint32_t e = s->beyond_begin; e < s->emitters.count; e++) {
+        const rgb found = light_beyond(s, e, dir);
+        if (!rgb_is_black(found))
+            light += found * (pdf_w == 0 ? 1 : mis_weight(pdf_w, light_beyond_pdf_w(s, e, dir)));
+    }
+    return light;
+}
+
+rgb path_emission(const struct stage *s, const struct path_vertex *v)
 {
     if (v->at.emitter == STAGE_NONE || !(v->wo[2] > 0))
         return (rgb){0, 0, 0, 0};
     return vec3_load(((const struct emitter *)stage_at(s, s->emitters))[v->at.emitter].radiance);
 }
 
-void path_begin(const struct stage *s, const struct ray rays[], uint32_t count,
-                struct path_start starts[])
+/* What of a chosen light goes on to wo, if nothing is in its way. */
+static rgb reflected(const struct stage *s, const struct path *p, const struct light_sample *light,
+                     vec3 wi)
 {
-    struct ray_hit hits[PATH_WAVE];
-    const uint32_t found = bvh_hit_closest_8(s, rays, count, hits);
-    for (uint32_t i = 0; i < count; i++) {
-        struct path_start *start = &starts[i];
-        start->ends = !(found >> i & 1);
-        if (start->ends) {
-            start->light = s->sky;
-            continue;
-        }
-        start->vertex = vertex_make(s, &rays[i], &hits[i]);
-        if (s->details.count)
-            path_shade(s, &rays[i], &hits[i], &start->vertex, &start->raised);
-        start->light = emission(s, &start->vertex);
-        start->ends = s->settings.max_bounces == 0;
-    }
+    const struct path_vertex *v = &p->vertex;
+    rgb f = bsdf_eval(v->material, v->wo, wi);
+    if (rgb_is_black(f))
+        return f;
+    f *= light->value;
+    if (light->pdf_w != 0)
+        f *= mis_weight(light->pdf_w, bsdf_pdf_w(v->material, v->wo, wi));
+    if (p->media)
+        f *= path_media_passed(s, p, wi, &light->shadow);
+    return p->throughput * f;
 }
-
-/* --- paths in step --- */
-
-struct path {
-    rgb light; /* found so far */
-    rgb throughput;
-    float scale; /* what roulette divides out of throughput; from the first scattering on */
-    float pdf_w; /* of the last direction; 0: a delta lobe's, which next-event estimation cannot
-                  * make */
-    struct path_vertex vertex;
-};
-
-struct wave {
-    const struct stage *stage;
-    struct rng8 rng;
-    uint32_t bounce, roulette_begin;
-    struct path paths[PATH_WAVE];
-    struct path_raised raised[PATH_WAVE]; /* in a scene with details */
-
-    /* A bounce's random numbers, by path: made for all at once, which costs less than for two of
-     * them alone. */
-    struct sobol8_bits lamp;
-    struct sobol8_square direction;
-    f32x8 lobe, roulette;
-
-    uint32_t going; /* paths that have a next ray */
-    uint32_t path_of[PATH_WAVE];
-    struct ray rays[PATH_WAVE];
-
-    uint32_t shadow_count; /* light that arrives if nothing is in its way */
-    uint32_t shadow_path[PATH_WAVE];
-    struct ray shadows[PATH_WAVE];
-    rgb light[PATH_WAVE];
-};
 
 /* The same light for the directions that only a raised point has: few, so they are traced at once.
  */
-static __attribute__((cold, noinline)) void light_raised(struct wave *w, uint32_t path,
-                                                         struct sobol_bits place)
+static void light_raised(const struct stage *s, struct path *p, struct sobol_bits lamp)
 {
-    const struct path_vertex *v = &w->paths[path].vertex;
-    const struct path_raised *raised = &w->raised[path];
-    const struct surface from = path_shade_raised(raised, v);
-    struct light_sample light;
-    if (!raised->is || !light_sample(w->stage, &from, place, &light))
+    const struct path_vertex *v = &p->vertex;
+    const struct surface from = path_shade_raised(v);
+    struct light_sample sample;
+    if (!light_sample(s, &from, lamp, &sample))
         return;
-    const vec3 wi = warp_to_local(&v->frame, light.wi);
-    if (!path_shade_is_raised(raised, v, light.wi, wi))
+    const vec3 wi = warp_to_local(&v->frame, sample.wi);
+    if (!path_shade_is_raised(v, sample.wi, wi))
         return;
-    rgb f = bsdf_eval(v->material, v->wo, wi) * light.value;
-    if (rgb_is_black(f) || !path_shade_is_clear(w->stage, raised, v) ||
-        bvh_hit_any(w->stage, &light.shadow))
+    const rgb light = reflected(s, p, &sample, wi);
+    if (rgb_is_black(light) || !path_shade_is_clear(s, v))
         return;
-    if (light.pdf_w != 0)
-        f *= mis_weight(light.pdf_w, bsdf_pdf_w(v->material, v->wo, wi));
-    w->paths[path].light += w->paths[path].throughput * f;
+    if (!bvh_hit_any(s, &sample.shadow))
+        p->light += light;
+    else if (s->masked)
+        p->light += light * path_mask_share(s, sample.shadow);
 }
 
-/* Light that may reach the vertex from one chosen emitter and goes on to wo, MIS-weighted. */
-static inline __attribute__((always_inline)) void light_directly(struct wave *w, uint32_t path,
-                                                                 bool details)
+bool path_light_directly(const struct stage *s, struct path *p, struct sobol_bits lamp,
+                         struct ray *shadow, rgb *light)
 {
-    const struct stage *s = w->stage;
-    struct path *p = &w->paths[path];
     const struct path_vertex *v = &p->vertex;
-    const struct material *m = v->material;
-    if (s->emitters.count == 0 || bsdf_is_delta(m))
-        return;
-    const struct sobol_bits place = {w->lamp.u[path], w->lamp.v[path]};
-    if (details)
-        light_raised(w, path, place);
-    struct light_sample light;
-    if (!light_sample(s, &v->at, place, &light))
-        return;
-    const vec3 wi = warp_to_local(&v->frame, light.wi);
-    if (details && !(vec3_dot(light.wi, v->at.ng) * wi[2] > 0))
-        return;
-    rgb f = bsdf_eval(m, v->wo, wi);
-    if (rgb_is_black(f))
-        return;
-    f *= light.value;
-    if (light.pdf_w != 0)
-        f *= mis_weight(light.pdf_w, bsdf_pdf_w(m, v->wo, wi));
-    w->shadow_path[w->shadow_count] = path;
-    w->shadows[w->shadow_count] = light.shadow;
-    w->light[w->shadow_count++] = p->throughput * f;
+    if (s->emitters.count == 0 || bsdf_is_delta(v->material))
+        return false;
+    if (v->raised.is)
+        light_raised(s, p, lamp);
+    struct light_sample sample;
+    if (!light_sample(s, &v->at, lamp, &sample))
+        return false;
+    const vec3 wi = warp_to_local(&v->frame, sample.wi);
+    if (!(vec3_dot(sample.wi, v->at.ng) * wi[2] > 0)) /* the two normals disagree */
+        return false;
+    *light = reflected(s, p, &sample, wi);
+    *shadow = sample.shadow;
+    return !rgb_is_black(*light);
 }
 
-/* The next ray; false: there is none. */
-static inline __attribute__((always_inline)) bool scatter(struct wave *w, uint32_t path,
-                                                          bool details, struct ray *ray)
+bool path_scatter(const struct stage *s, struct path *p, const struct path_draw *draw,
+                  struct ray *ray)
 {
-    struct path *p = &w->paths[path];
-    const struct path_vertex *v = &p->vertex;
-    const struct square direction = {w->direction.u[path], w->direction.v[path]};
+    struct path_vertex *v = &p->vertex;
     struct bsdf_sample next;
-    if (!bsdf_sample(v->material, v->wo, w->lobe[path], direction, &next))
+    if (!bsdf_sample(v->material, v->wo, draw->lobe, draw->direction, &next))
         return false;
     p->throughput *= next.weight;
     if (rgb_is_black(p->throughput))
         return false;
-    p->scale = w->bounce == 0 ? rgb_max(p->throughput) : p->scale * next.scale;
+    p->scale = draw->first ? rgb_max(p->throughput) : p->scale * next.scale;
     p->pdf_w = next.pdf_w;
     const vec3 dir = warp_to_world(&v->frame, next.wi);
     if (!(vec3_dot(dir, v->at.ng) * next.wi[2] > 0) && /* by rounding, or a shading normal */
-        !(details && path_shade_move(w->stage, &w->raised[path], &p->vertex, dir, next.wi)))
+        !path_shade_move(s, v, dir, next.wi))
         return false;
-    if (w->bounce >= w->roulette_begin) { /* a channel weaker than the strongest only gains */
+    if (draw->may_end) { /* a channel weaker than the strongest only gains */
         const float q = survival(rgb_max(p->throughput) / p->scale);
         if (q < 1) {
-            if (w->roulette[path] >= q)
+            if (draw->roulette >= q)
                 return false;
             p->throughput /= q;
         }
     }
+    if (p->media)
+        path_media_leave(p, next.wi);
     *ray = surface_leave(&v->at, dir);
     return true;
 }
 
-/* The next vertex, or the sky. False: the path ends there. */
-static inline __attribute__((always_inline)) bool arrive(struct wave *w, uint32_t path,
-                                                         bool details, const struct ray *ray,
-                                                         const struct ray_hit *hit)
+void path_arrive(const struct stage *s, struct path *p, const struct path_vertex *v)
 {
-    const struct stage *s = w->stage;
-    struct path *p = &w->paths[path];
-    if (!hit) {
-        p->light += p->throughput * s->sky;
-        return false;
-    }
     const vec3 from = p->vertex.at.p;
-    p->vertex = vertex_make(s, ray, hit);
-    if (details)
-        path_shade(s, ray, hit, &p->vertex, &w->raised[path]);
+    p->vertex = *v;
 
     /* Emission found by the BSDF's sampling; a delta lobe's by nothing else */
-    const rgb found = emission(s, &p->vertex);
-    if (!rgb_is_black(found)) {
-        const float weight =
-            p->pdf_w == 0 ? 1 : mis_weight(p->pdf_w, light_pdf_w(s, from, &p->vertex.at));
-        p->light += p->throughput * found * weight;
-    }
-    return w->bounce + 1 < s->settings.max_bounces;
-}
-
-static inline __attribute__((always_inline)) void draw(struct wave *w)
-{
-    bool lobes = false;
-    for (uint32_t i = 0; i < w->going; i++)
-        lobes = lobes || bsdf_has_lobes(w->paths[w->path_of[i]].vertex.material);
-    w->direction = rng8_pair(&w->rng, rng_dimension(w->bounce, RNG_BSDF_DIRECTION));
-    if (w->stage->emitters.count > 0)
-        w->lamp = rng8_pair_bits(&w->rng, rng_dimension(w->bounce, RNG_LIGHT));
-    if (lobes)
-        w->lobe = rng8_single(&w->rng, rng_dimension(w->bounce, RNG_BSDF_LOBE));
-    if (w->bounce >= w->roulette_begin)
-        w->roulette = rng8_single(&w->rng, rng_dimension(w->bounce, RNG_ROULETTE));
-}
-
-/* All paths from their vertices to the next ones. details: whether the scene has any; a constant,
- * so that a scene without them does without asking. */
-static inline __attribute__((always_inline)) void wave_step(struct wave *w, const bool details)
-{
-    uint32_t going = 0;
-    draw(w);
-    w->shadow_count = 0;
-    for (uint32_t i = 0; i < w->going; i++) {
-        const uint32_t path = w->path_of[i];
-        light_directly(w, path, details);
-        w->path_of[going] = path;
-        going += scatter(w, path, details, &w->rays[going]);
-    }
-    const uint32_t dark = bvh_hit_any_8(w->stage, w->shadows, w->shadow_count);
-    for (uint32_t i = 0; i < w->shadow_count; i++)
-        if (!(dark >> i & 1))
-            w->paths[w->shadow_path[i]].light += w->light[i];
-
-    struct ray_hit hits[PATH_WAVE];
-    const uint32_t found = bvh_hit_closest_8(w->stage, w->rays, going, hits);
-    w->going = 0;
-    for (uint32_t i = 0; i < going; i++) {
-        const uint32_t path = w->path_of[i];
-        w->path_of[w->going] = path;
-        w->going += arrive(w, path, details, &w->rays[i], found >> i & 1 ? &hits[i] : NULL);
-    }
-    w->bounce++;
-}
-
-static __attribute__((noinline)) void follow_details(struct wave *w)
-{
-    while (w->going)
-        wave_step(w, true);
-}
-
-void path_radiance(const struct stage *s, const struct path_start starts[], const struct rng rngs[],
-                   uint32_t count, uint32_t roulette_begin, rgb radiance[])
-{
-    struct wave w;
-    w.stage = s;
-    w.bounce = w.going = 0;
-    w.roulette_begin = roulette_begin;
-    w.lobe = (f32x8){0};
-    rng8_make(&w.rng, rngs, count);
-    for (uint32_t i = 0; i < count; i++) {
-        struct path *p = &w.paths[i];
-        p->light = starts[i].light;
-        if (starts[i].ends)
-            continue;
-        p->throughput = (rgb){1, 1, 1, 0};
-        p->vertex = starts[i].vertex;
-        if (s->details.count)
-            w.raised[i] = starts[i].raised;
-        w.path_of[w.going++] = i;
-    }
-    if (s->details.count)
-        follow_details(&w);
-    while (w.going)
-        wave_step(&w, false);
-    for (uint32_t i = 0; i < count; i++)
-        radiance[i] = w.paths[i].light;
+    const rgb found = path_emission(s, v);
+    if (rgb_is_black(found))
+        return;
+    const float weight = p->pdf_w == 0 ? 1 : mis_weight(p->pdf_w, light_pdf_w(s, from, &v->at));
+    p->light += p->throughput * found * weight;
 }

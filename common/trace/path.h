@@ -1,24 +1,27 @@
-/* path.h - the path integrator: light along rays, by following them through the scene.
+/* path.h - the path integrator: light along a ray, by following it through the scene.
  *
  * J. Kajiya, "The Rendering Equation", SIGGRAPH 1986, with next-event estimation and multiple
  * importance sampling (E. Veach, L. Guibas, "Optimally Combining Sampling Techniques for Monte
  * Carlo Rendering", SIGGRAPH 1995, power heuristic).
  *
- * Up to eight paths go in step, so that their rays are traced together (bvh_hit_closest_8). What
- * comes out for one does not depend on the others.
- * SPDX-License-Identifier: MIT */
+ * Here is what one path does at one vertex: it looks at a light, is scattered, arrives. wave.h
+ * takes eight paths at a time through it, ray by ray; path8.h has the same for vertices that are
+ * plain. SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_PATH_H
 #define COMMON_TRACE_PATH_H
 
 #include "common/trace/ray.h"
-#include "common/trace/rng.h"
+#include "common/trace/sobol.h"
 #include "common/trace/stage.h"
 #include "common/trace/surface.h"
 #include "common/trace/warp.h"
 
-enum {
-    PATH_WAVE = 8,           /* the most paths at once */
-    PATH_ROULETTE_BEGIN = 1, /* the first bounce after which a path may be ended by chance */
+/* The first bounce after which a path may be ended by chance. */
+enum { PATH_ROULETTE_BEGIN = 1 };
+
+struct path_raised { /* path_shade.h */
+    bool is;         /* light from below the triangle and above the frame's plane is gathered at: */
+    vec3 p;
 };
 
 struct path_vertex { /* where a ray has arrived */
@@ -26,28 +29,47 @@ struct path_vertex { /* where a ray has arrived */
     struct warp_frame frame;
     const struct material *material;
     vec3 wo; /* where the ray came from; local */
-};
-
-struct path_raised { /* beside a vertex in a scene with details (path_shade.h) */
-    bool is;         /* light from below the triangle and above the frame's plane is gathered at: */
-    vec3 p;
-};
-
-struct path_start {            /* a camera ray: what a path and its sibling (rng.h) share */
-    rgb light;                 /* of the sky, or of the vertex itself */
-    bool ends;                 /* nothing else comes along the ray */
-    struct path_vertex vertex; /* where it is scattered, unless it ends */
     struct path_raised raised;
 };
 
-/* The rays' directions: unit. */
-void path_begin(const struct stage *, const struct ray rays[], uint32_t count,
-                struct path_start starts[]);
+struct path_media;
 
-/* radiance[i]: one unbiased estimate of what arrives along starts[i], with the numbers of rngs[i],
- * cut at settings.max_bounces scattering events. roulette_begin: the first bounce after which a
- * path may be ended by chance; UINT32_MAX for never. */
-void path_radiance(const struct stage *, const struct path_start starts[], const struct rng rngs[],
-                   uint32_t count, uint32_t roulette_begin, rgb radiance[]);
+struct path {
+    struct path_media *media; /* NULL: the scene has none (path_media.h) */
+    rgb light;                /* found so far */
+    rgb throughput;
+    float scale; /* what roulette divides out of throughput; from the first scattering on */
+    float pdf_w; /* of the last direction; 0: a delta lobe's, which next-event estimation cannot
+                  * make */
+    struct path_vertex vertex;
+};
+
+struct path_draw { /* the random numbers of a scattering */
+    struct square direction;
+    float lobe, roulette;
+    bool first;   /* the path's first scattering */
+    bool may_end; /* by chance */
+};
+
+struct path_vertex path_vertex_make(const struct stage *, const struct ray *,
+                                    const struct ray_hit *);
+
+/* What a ray that leaves the scene meets. pdf_w: of its direction, by the sampling that made it; 0:
+ * nothing else could have made it. */
+rgb path_beyond(const struct stage *, vec3 dir, float pdf_w);
+
+/* What the vertex emits to where the ray came from. */
+rgb path_emission(const struct stage *, const struct path_vertex *);
+
+/* Light that may reach the vertex from one chosen emitter and goes on to wo, MIS-weighted. True:
+ * *light comes if *shadow hits nothing. */
+bool path_light_directly(const struct stage *, struct path *, struct sobol_bits lamp,
+                         struct ray *shadow, rgb *light);
+
+/* The next ray; false: there is none. */
+bool path_scatter(const struct stage *, struct path *, const struct path_draw *, struct ray *);
+
+/* The vertex where the ray has arrived, and what it emits. */
+void path_arrive(const struct stage *, struct path *, const struct path_vertex *);
 
 #endif

@@ -41,45 +41,43 @@ static bool is_caught(const struct stage *s, const struct ray *ray, const struct
 }
 
 void path_shade(const struct stage *s, const struct ray *ray, const struct ray_hit *hit,
-                struct path_vertex *v, struct path_raised *raised)
+                struct path_vertex *v)
 {
     const struct stage_detail *d = surface_detail_of(s, hit->prim, hit->instance);
-    raised->is = false;
     if (!d || v->wo[2] == 0)
         return;
     const bool smooth = d->normals != STAGE_NONE;
     if (!smooth && !(v->material->needs & MATERIAL_NEEDS_TANGENT))
         return;
     const struct surface_detail detail = surface_detail_at(s, d, hit, &v->at);
-    raised->is = smooth && surface_detail_raise(s, d, hit, &v->at, v->wo[2], &raised->p);
+    if (smooth)
+        v->raised.is = surface_detail_raise(s, d, hit, &v->at, v->wo[2], &v->raised.p);
     turn_frame(v, &detail, -ray->dir);
     if (smooth && is_caught(s, ray, hit, &v->at))
         v->wo[2] = 0; /* the path ends */
 }
 
 /* And a little beyond, so that what touches the point counts as being in the way. */
-bool path_shade_is_clear(const struct stage *s, const struct path_raised *raised,
-                         const struct path_vertex *v)
+bool path_shade_is_clear(const struct stage *s, const struct path_vertex *v)
 {
-    struct ray way = surface_to_point(&v->at, raised->p);
+    struct ray way = surface_to_point(&v->at, v->raised.p);
     way.t_max = 1 + 0x1p-10f;
     return !bvh_hit_any(s, &way);
 }
 
-struct surface path_shade_raised(const struct path_raised *raised, const struct path_vertex *v)
+struct surface path_shade_raised(const struct path_vertex *v)
 {
     struct surface from = v->at;
-    from.p = raised->p;
+    from.p = v->raised.p;
     from.p_error = vec3_make(0, 0, 0);
     from.prim = STAGE_NONE;
     return from;
 }
 
-bool path_shade_move(const struct stage *s, const struct path_raised *raised, struct path_vertex *v,
-                     vec3 dir, vec3 wi)
+bool path_shade_move(const struct stage *s, struct path_vertex *v, vec3 dir, vec3 wi)
 {
-    if (!path_shade_is_raised(raised, v, dir, wi) || !path_shade_is_clear(s, raised, v))
+    if (!path_shade_is_raised(v, dir, wi) || !path_shade_is_clear(s, v))
         return false;
-    v->at = path_shade_raised(raised, v);
+    v->at = path_shade_raised(v);
     return true;
 }

@@ -4,94 +4,35 @@
 #include <assert.h>
 #include <string.h>
 
-#include "common/trace/fmath.h"
+#include "common/trace/light8.h"
+#include "common/trace/medium.h"
 #include "common/trace/prep_plan.h"
 
-#define PI 3.14159265358979323846
-
-/* --- lights --- */
-
-/* Half the diagonal of everything: what a distant light shines on. */
-static double scene_radius(const struct stage *head)
+/* A panorama looks everywhere: its depth is the distance. */
+static void set_view(struct stage_view *view, const struct scene_camera *c)
 {
-    double sum = 0;
-    for (int k = 0; k < 3; k++) {
-        const double side = (double)head->bounds[1][k] - (double)head->bounds[0][k];
-        sum += side * side;
-    }
-    return __builtin_sqrt(sum) / 2;
+    vec3_store(view->position, xform_point(&c->to_world, vec3_make(0, 0, 0)));
+    if (c->kind != CAMERA_PANORAMIC)
+        vec3_store(view->direction, vec3_unit(xform_vector(&c->to_world, vec3_make(0, 0, -1))));
 }
 
-static void add_lights(struct prep_plan *p)
+/* --- materials --- */
+
+/* What only some materials need, and costs every path of a scene that has them. */
+static void survey_materials(struct prep_plan *p)
 {
-    const double radius = scene_radius(&p->head);
-    for (uint32_t i = 0; i < p->scene->light_count; i++) {
-        const struct light *l = &p->scene->lights[i];
-        struct emitter *e = &p->emitters[p->head.emitters.count];
-        double *power = &p->power[p->head.emitters.count];
-        switch (l->kind) {
-        case LIGHT_SKY:
-            p->head.sky += l->sky.radiance;
-            continue;
-        case LIGHT_POINT:
-            *e = (struct emitter){.kind = EMITTER_POINT, .prim = STAGE_NONE};
-            vec3_store(e->radiance, l->point.intensity);
-            memcpy(e->at, l->point.position, sizeof e->at);
-            *power = 4 * PI * (double)rgb_luminance(l->point.intensity);
-            break;
-        case LIGHT_DISTANT:
-            *e = (struct emitter){.kind = EMITTER_DISTANT, .prim = STAGE_NONE};
-            vec3_store(e->radiance, l->distant.irradiance);
-            memcpy(e->at, l->distant.direction, sizeof e->at);
-            *power = PI * radius * radius * (double)rgb_luminance(l->distant.irradiance);
-            break;
-        }
-        p->head.emitters.count++;
+    for (uint32_t i = 0; i < p->scene->material_count; i++) {
+        const enum material_kind kind = p->scene->materials[i].kind;
+        if (kind == MATERIAL_MIX || kind == MATERIAL_MASK || kind == MATERIAL_TWO_SIDED)
+            p->head.wrapped = 1;
+        if (kind == MATERIAL_MASK)
+            p->head.masked = 1;
     }
-}
-
-/* The table of floats has this many steps that are all exact. */
-enum { PICK_STEPS = 1 << 24 };
-
-/* Chosen in proportion to power; all alike when none has any. Every emitter gets a step of the
- * table, however weak it is: one that is never chosen would be missing, since nothing else finds a
- * point or a distant light. (More than 2^23 emitters are surfaces, which directions find, too.) */
-static void pick_emitters(struct prep_plan *p)
-{
-    const uint64_t n = p->head.emitters.count;
-    double total = 0, sum = 0;
-    for (uint64_t i = 0; i < n; i++)
-        total += p->power[i];
-    const bool usable = total > 0 && total - total == 0;
-    const uint64_t reserved = n <= PICK_STEPS / 2 ? 1 : 0;
-    for (uint64_t i = 0; i < n; i++) {
-        sum += usable ? p->power[i] / total : 1 / (double)n;
-        const double share = (double)(PICK_STEPS - reserved * n) * (sum < 1 ? sum : 1);
-        const uint64_t steps = i + 1 < n ? (uint64_t)share + reserved * (i + 1) : PICK_STEPS;
-        p->pick_cdf[i + 1] = (float)steps / (float)PICK_STEPS;
-        p->emitters[i].pick = p->pick_cdf[i + 1] - p->pick_cdf[i];
-    }
-}
-
-/* --- camera --- */
-
-static void aim_camera(struct prep_plan *p)
-{
-    const struct scene_film *film = &p->scene->film;
-    const struct xform *m = &p->scene->camera.to_world;
-    float sine, cosine;
-    fmath_sincos(p->scene->camera.fov_y_rad / 2, &sine, &cosine);
-    const float half_y = sine / cosine; /* of the image plane one metre ahead */
-    const float pixel = 2 * half_y / (float)film->height_px;
-    const float half_x = pixel * (float)film->width_px / 2;
-    struct stage_camera *c = &p->head.camera;
-    vec3_store(c->origin, xform_point(m, vec3_make(0, 0, 0)));
-    vec3_store(c->corner, xform_vector(m, vec3_make(-half_x, half_y, -1)));
-    vec3_store(c->dx, xform_vector(m, vec3_make(pixel, 0, 0)));
-    vec3_store(c->dy, xform_vector(m, vec3_make(0, -pixel, 0)));
 }
 
 /* --- the block --- */
+
+enum { GUIDE_MOST = 1024 }; /* entries but for two: it is to stay in the nearest cache */
 
 struct piece {
     struct stage_span *span; /* in the head; its count is set */
@@ -104,6 +45,10 @@ static void count_pieces(struct prep_plan *p)
     struct stage *head = &p->head;
     head->shapes.count = (uint64_t)p->scene->shape_count + 1;
     head->pick_cdf.count = head->emitters.count + 1;
+    head->lamps.count = light8_fit(p->emitters, head->emitters.count);
+    while (head->prim_count >> head->guide_shift >= GUIDE_MOST)
+        head->guide_shift++;
+    head->guide.count = (head->prim_count >> head->guide_shift) + 2;
     head->materials.count = p->scene->material_count;
     head->trees.count = p->tree_count;
     for (uint32_t i = 0; i < p->tree_count; i++) {
@@ -130,11 +75,15 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->materials, p->scene->materials, sizeof *p->scene->materials},
         {&head->emitters, p->emitters, sizeof *p->emitters},
         {&head->pick_cdf, p->pick_cdf, sizeof *p->pick_cdf},
+        {&head->knots, p->knots, sizeof *p->knots},
+        {&head->lamps, NULL, sizeof(struct stage_lamps)},
+        {&head->guide, NULL, sizeof(uint32_t)},
         {&head->details, p->details, sizeof *p->details},
         {&head->corners, NULL, sizeof(struct stage_corners)},
         {&head->normals, NULL, sizeof(struct stage_normal)},
         {&head->uvs, NULL, sizeof(struct stage_uv)},
         {&head->colors, NULL, sizeof(struct stage_color)},
+        {&head->spots, p->spots, sizeof *p->spots},
     };
     uint64_t bytes = (sizeof *head + STAGE_ALIGN - 1) / STAGE_ALIGN * STAGE_ALIGN;
     for (size_t i = 0; i < countof(pieces); i++) {
@@ -180,6 +129,20 @@ static void place_emitters(const struct prep_plan *p, struct emitter *emitters,
             emitters[i].place.index = lane_of[emitters[i].place.index] & 0x1fffffff;
 }
 
+/* Of the shapes, whose last but one ends the list: where stage_shape_of is to look. */
+static void write_guide(const struct stage *s, uint32_t *guide)
+{
+    const struct stage_shape *shapes = stage_at(s, s->shapes);
+    const uint32_t last = s->shapes.count > 1 ? (uint32_t)s->shapes.count - 2 : 0;
+    uint32_t shape = 0;
+    for (uint64_t i = 0; i < s->guide.count; i++) {
+        const uint64_t prim = i << s->guide_shift;
+        while (shape < last && shapes[shape + 1].prim_begin <= prim)
+            shape++;
+        guide[i] = shape;
+    }
+}
+
 static void write_trees(const struct prep_plan *p, unsigned char *block, const struct crew *crew)
 {
     const struct stage *head = &p->head;
@@ -202,6 +165,13 @@ static void write_trees(const struct prep_plan *p, unsigned char *block, const s
         node_begin += plan->node_count;
         block_begin += plan->leaf_count;
     }
+}
+
+/* Of a stage that is whole but for this. */
+static void surround_camera(struct stage *s)
+{
+    if (s->media)
+        s->around = medium_around(s, vec3_load(s->view.position));
 }
 
 /* References to nodes and blocks have 28 bits. */
@@ -228,16 +198,25 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
     p.head.struct_bytes = sizeof p.head;
     p.head.film = scene->film;
     p.head.settings = scene->settings;
+    p.head.media = medium_uses(scene);
     prep_shapes(&p, crew);
-    add_lights(&p);
-    pick_emitters(&p);
-    aim_camera(&p);
+    prep_lights(&p);
+    survey_materials(&p);
+    prep_camera(&p.head.camera, scene);
+    prep_filter(&p, scratch);
+    set_view(&p.head.view, &scene->camera);
     const bool fits = prep_detail_plan(&p, scratch, err) && check_lines(&p, err);
     if (fits) {
         unsigned char *block = lay_out(&p, arena);
+        write_guide((const struct stage *)(const void *)block,
+                    (uint32_t *)(void *)(block + p.head.guide.offset));
         write_trees(&p, block, crew);
         prep_detail_write(&p, block);
         place_emitters(&p, (struct emitter *)(void *)(block + p.head.emitters.offset), scratch);
+        if (p.head.lamps.count)
+            light8_lamps((const struct stage *)(const void *)block,
+                         (struct stage_lamps *)(void *)(block + p.head.lamps.offset));
+        surround_camera((struct stage *)(void *)block);
         *stage = (const struct stage *)(const void *)block;
     }
     for (uint32_t i = 0; i < p.tree_count; i++)

@@ -37,9 +37,11 @@ struct prep_plan {
     struct emitter *emitters;
     double *power; /* of each emitter */
     float *pick_cdf;
+    struct stage_knot *knots;
     struct stage_detail *details;
     struct prep_mesh *detail_meshes;
     uint32_t quad_uvs; /* as in struct prep_mesh */
+    struct stage_spot *spots;
 };
 
 /* Allocates the arrays. False: too many primitives. */
@@ -75,5 +77,15 @@ void prep_triangle_world(const struct mesh *, const struct shape *, bool mirrore
  * then the parts. False: too many vertices. */
 bool prep_detail_plan(struct prep_plan *, struct arena *scratch, struct err *) MUST_CHECK;
 void prep_detail_write(const struct prep_plan *, unsigned char *block);
+
+/* Where the camera stands and how it maps the film. */
+void prep_camera(struct stage_camera *, const struct scene *);
+
+/* The pixel filter's knots, if it has any; its zero and gain. */
+void prep_filter(struct prep_plan *, struct arena *scratch);
+
+/* The document's lights -> emitters behind those of shapes, and the table by which one is picked.
+ * After prep_shapes: a distant light shines on what there is. */
+void prep_lights(struct prep_plan *);
 
 #endif

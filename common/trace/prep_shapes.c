@@ -116,6 +116,7 @@ bool prep_plan_make(struct prep_plan *p, const struct scene *scene, struct arena
     p->emitters = arena_new(scratch, struct emitter, emitters);
     p->power = arena_new(scratch, double, emitters);
     p->pick_cdf = arena_new(scratch, float, emitters + 1);
+    p->spots = arena_new(scratch, struct stage_spot, scene->light_count);
     tree_open(&p->trees[0], n.triangles, n.others, scratch);
     for (uint32_t i = 0; i < scene->mesh_count; i++)
         if (p->mesh_tree[i])

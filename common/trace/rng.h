@@ -11,6 +11,10 @@
  *
  *     0                     the pixel filter, a pair
  *     1 + 4 bounce + p      purpose p below, at each bounce; a pair or a single number
+ *     2^20 + 4 bounce       which material of those that make up one; a single number
+ *     2^31 + 2^16 bounce + n    whether the n-th mask that the ray meets after so many bounces
+ *                           stops it (from 2^16 masks on numbers are used again); a single number
+ *     2^30                  the place on the lens, a pair: the elder's, like the filter's
  * SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_RNG_H
 #define COMMON_TRACE_RNG_H
@@ -26,7 +30,7 @@ enum rng_purpose {
     RNG_ROULETTE,       /* single */
 };
 
-enum { RNG_FILTER = 0, RNG_PURPOSES = RNG_ROULETTE + 1 };
+enum { RNG_FILTER = 0, RNG_LENS = 1 << 30, RNG_PURPOSES = RNG_ROULETTE + 1 };
 
 struct rng {
     uint64_t key;            /* of the pixel's replicate */
@@ -69,6 +73,16 @@ static inline struct rng rng_elder(const struct rng *r)
 static inline uint32_t rng_dimension(uint32_t bounce, enum rng_purpose purpose)
 {
     return 1 + bounce * RNG_PURPOSES + purpose;
+}
+
+static inline uint32_t rng_dimension_choice(uint32_t bounce)
+{
+    return (1u << 20) + bounce * RNG_PURPOSES; /* as far apart as the others: rng8_next_bounce */
+}
+
+static inline uint32_t rng_dimension_mask(uint32_t bounce, uint32_t crossing)
+{
+    return (1u << 31) + (bounce << 16) + (crossing & 0xffff);
 }
 
 /* The seeds of a dimension: the splitmix sequence that starts at the key (G. Steele, D. Lea,
@@ -134,6 +148,20 @@ static inline void rng8_make(struct rng8 *to, const struct rng r[], uint32_t cou
         (u32x8){from[0].index_reversed, from[1].index_reversed, from[2].index_reversed,
                 from[3].index_reversed, from[4].index_reversed, from[5].index_reversed,
                 from[6].index_reversed, from[7].index_reversed};
+}
+
+static inline void rng8_set_lane(struct rng8 *r, uint32_t i, const struct rng *from)
+{
+    r->key[i / 4][i % 4] = from->key;
+    r->index_reversed[i] = from->index_reversed;
+}
+
+/* A bounce further: what was dimension rng_dimension(n + 1, p) is rng_dimension(n, p) now. So lanes
+ * at different bounces draw at once. */
+static inline void rng8_next_bounce(struct rng8 *r)
+{
+    for (int i = 0; i < 2; i++)
+        r->key[i] += RNG_PURPOSES * 0x9e3779b97f4a7c15u;
 }
 
 static inline u64x4 rng8_mix(u64x4 x)
@@ -215,6 +243,16 @@ static inline void rng_pixel_go(struct rng_pixel *p, uint32_t index)
 static inline struct sobol8_square rng_pixel_filter(const struct rng_pixel *p)
 {
     return sobol8_pair(u32x8_splat(rng_elder(&p->replicate[0]).index_reversed), &p->filter);
+}
+
+static inline struct sobol8_square rng_pixel_lens(const struct rng_pixel *p)
+{
+    struct rng elders[FILM_REPLICATES];
+    struct rng8 eight;
+    for (uint32_t i = 0; i < FILM_REPLICATES; i++)
+        elders[i] = rng_elder(&p->replicate[i]);
+    rng8_make(&eight, elders, FILM_REPLICATES);
+    return rng8_pair(&eight, RNG_LENS);
 }
 
 #endif

@@ -29,11 +29,15 @@ static const struct row rows[] = {
     ROW(materials, struct material),
     ROW(emitters, struct emitter),
     ROW(pick_cdf, float),
+    ROW(knots, struct stage_knot),
+    ROW(lamps, struct stage_lamps),
+    ROW(guide, uint32_t),
     ROW(details, struct stage_detail),
     ROW(corners, struct stage_corners),
     ROW(normals, struct stage_normal),
     ROW(uvs, struct stage_uv),
     ROW(colors, struct stage_color),
+    ROW(spots, struct stage_spot),
 };
 
 _Static_assert((sizeof(struct stage) - offsetof(struct stage, shapes)) /

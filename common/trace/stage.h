@@ -21,7 +21,7 @@
 
 #define STAGE_MAGIC "SMSTAGE"
 
-enum { STAGE_VERSION = 3, STAGE_ALIGN = 64, STAGE_LANES = 8 };
+enum { STAGE_VERSION = 4, STAGE_ALIGN = 64, STAGE_LANES = 8 };
 
 struct stage_span {  /* an array inside the block */
     uint64_t offset; /* bytes from the start of the stage, 64-aligned */
@@ -128,23 +128,78 @@ struct stage_instance {
     float pad[3];
 };
 
-/* Something next-event estimation can aim at: an emissive primitive, a point or a distant light. */
-enum emitter_kind { EMITTER_PRIM, EMITTER_POINT, EMITTER_DISTANT };
+/* Something next-event estimation can aim at. Their order: emissive primitives by number; points
+ * and spots (up to here they have a place: stage.far_begin); distant lights; what a ray that leaves
+ * the scene can meet (from stage.beyond_begin on). */
+enum emitter_kind { EMITTER_PRIM, EMITTER_POINT, EMITTER_SPOT, EMITTER_DISTANT, EMITTER_SUN };
 
 struct emitter {
     enum emitter_kind kind;
     uint32_t prim;            /* EMITTER_PRIM */
     struct stage_place place; /* EMITTER_PRIM */
-    float radiance[3];        /* EMITTER_PRIM: radiance; POINT: intensity; DISTANT: irradiance */
-    float at[3];              /* POINT: position; DISTANT: direction of travel, unit */
-    float area;               /* EMITTER_PRIM: m^2 */
-    float pick;               /* probability of being chosen; they sum to 1 */
+    float radiance[3];        /* PRIM, SUN: radiance; POINT, SPOT: intensity; DISTANT: irradiance */
+    float at[3];              /* POINT, SPOT: position; DISTANT, SUN: direction of travel, unit */
+    union {
+        float area;     /* EMITTER_PRIM: m^2 */
+        float cap;      /* SUN: 1 - cos of its radius */
+        uint32_t index; /* SPOT: into stage.spots */
+    };
+    float pick; /* probability of being chosen; they sum to 1 */
 };
 
-struct stage_camera {
+struct stage_spot {
+    float direction[3]; /* unit */
+    float inner, outer; /* 1 - cos of the angles between which its light falls off */
+};
+
+/* The emitters once more, in lanes, where there are few and all are triangles that pick_cdf chooses
+ * among: light8.h. */
+struct stage_lamps {
+    _Alignas(32) float v[3][3][STAGE_LANES]; /* [vertex][axis][lane]; unused lanes are as lane 0 */
+    float normal[3][STAGE_LANES];            /* unit, as of surface_on_triangle */
+    float area[STAGE_LANES], radiance[3][STAGE_LANES];
+    float begin[STAGE_LANES], end[STAGE_LANES]; /* the emitter's part of pick_cdf */
+    uint32_t prim[STAGE_LANES];
+    uint32_t count; /* of emitters */
+    uint32_t pad[7];
+};
+
+struct stage_camera { /* as perspective and thin lens have it; the others: camera.c */
     float origin[3];
-    float corner[3];    /* direction_raw through the top left corner of the frame */
+    float corner[3];    /* direction_raw through the top left corner of the frame, 1 deep */
     float dx[3], dy[3]; /* per pixel to the right, down */
+    enum camera_kind kind;
+    uint32_t blades;            /* THIN_LENS: corners of the aperture; 0: round */
+    float lens_x[3], lens_y[3]; /* THIN_LENS: across the aperture, from its middle to its circle */
+    float inv_focus;            /* THIN_LENS: 1 / m */
+    float turns_x, turns_y;     /* PANORAMIC: per pixel */
+};
+
+/* A pixel filter that is no box and no tent: it is even in x and in y, and its absolute value, on one
+ * side, of mass 1, is straight between knots (filter.h). */
+struct stage_knot {
+    float x_px;
+    float density; /* per pixel */
+    float cdf;     /* mass up to here */
+};
+
+struct stage_filter {
+    float gain;    /* of a sample's weight, along each axis; 1: the filter is nowhere negative */
+    float zero_px; /* beyond this distance from the middle it is negative */
+};
+
+struct stage_view { /* what depth is measured along */
+    float position[3];
+    float direction[3]; /* unit; 0: none, depth is the distance */
+};
+
+/* Bodies around a point: materials, in the order in which they were entered (medium.h). */
+enum { STAGE_BODIES = 8 };
+
+struct stage_bodies {
+    uint32_t count;
+    uint32_t missed; /* entered when there was no room for them */
+    uint32_t material[STAGE_BODIES];
 };
 
 struct stage {
@@ -154,7 +209,9 @@ struct stage {
     uint64_t bytes;        /* of the whole block */
 
     struct stage_camera camera;
+    struct stage_view view;
     struct scene_film film;
+    struct stage_filter filter;
     struct scene_settings settings;
     rgb sky;                     /* radiance of rays that leave the scene */
     float bounds[2][3];          /* of all primitives */
@@ -163,6 +220,12 @@ struct stage {
     uint32_t bvh_depth;
 
     uint32_t prim_count;
+    uint32_t wrapped, masked; /* 1: there are materials made of others; among them masks */
+    uint32_t guide_shift;
+    uint32_t far_begin, beyond_begin; /* among the emitters: see there */
+
+    uint32_t media;             /* what the scene uses of medium.h */
+    struct stage_bodies around; /* the camera, when media is not 0 */
 
     /* Only spans from here to the end: stage_check knows them by their place. */
     struct stage_span shapes; /* struct stage_shape, and one more, whose prim_begin is prim_count */
@@ -176,11 +239,16 @@ struct stage {
     struct stage_span materials; /* struct material, names NULL */
     struct stage_span emitters;  /* struct emitter */
     struct stage_span pick_cdf;  /* float: cumulative pick, one more than emitters */
+    struct stage_span knots;     /* struct stage_knot, or none */
+    struct stage_span lamps;     /* struct stage_lamps: one, or none */
+    struct stage_span guide;     /* uint32_t: the shape of primitive i << guide_shift, then that of
+                                  * the last one */
     struct stage_span details;   /* struct stage_detail */
     struct stage_span corners;   /* struct stage_corners */
     struct stage_span normals;   /* struct stage_normal */
     struct stage_span uvs;       /* struct stage_uv */
     struct stage_span colors;    /* struct stage_color */
+    struct stage_span spots;     /* struct stage_spot */
 };
 
 static inline const void *stage_at(const struct stage *s, struct stage_span span)
@@ -223,7 +291,8 @@ static inline struct stage_triangle stage_triangle_at(const struct stage *s, uin
 static inline uint32_t stage_shape_of(const struct stage *s, uint32_t prim)
 {
     const struct stage_shape *shapes = stage_at(s, s->shapes);
-    uint32_t begin = 0, count = (uint32_t)s->shapes.count - 1;
+    const uint32_t *guide = (const uint32_t *)stage_at(s, s->guide) + (prim >> s->guide_shift);
+    uint32_t begin = guide[0], count = guide[1] - begin + 1;
     while (count > 1) {
         const uint32_t half = count / 2;
         begin += half & -(uint32_t)(shapes[begin + half].prim_begin <= prim); /* no branch */

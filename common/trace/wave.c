@@ -1,0 +1,461 @@
+/* SPDX-License-Identifier: MIT */
+#include "common/trace/wave.h"
+
+#include <string.h>
+
+#include "common/trace/bsdf.h"
+#include "common/trace/bvh.h"
+#include "common/trace/light8.h"
+#include "common/trace/material.h"
+#include "common/trace/path_mask.h"
+
+static inline uint32_t lowest(uint32_t lanes)
+{
+    return (uint32_t)__builtin_ctz(lanes);
+}
+
+/* --- one lane --- */
+
+static struct path_vertex vertex_of_lane(const struct stage *s, const struct path8_vertex *v,
+                                         uint32_t i)
+{
+    const vec3 ng = vec8_lane(&v->at.ng, i);
+    const struct surface at = {.p = vec8_lane(&v->at.p, i),
+                               .p_error = vec8_lane(&v->at.p_error, i),
+                               .ng = ng,
+                               .prim = v->at.prim[i],
+                               .material = v->material[i],
+                               .emitter = v->emitter[i]};
+    return (struct path_vertex){.at = at,
+                                .frame = warp_frame_make(ng),
+                                .material = (const struct material *)stage_at(s, s->materials) +
+                                            v->material[i],
+                                .wo = vec8_lane(&v->wo, i)};
+}
+
+static struct path path_of_lane(const struct wave *w, uint32_t i)
+{
+    return (struct path){.light = vec8_lane(&w->lanes.light, i),
+                         .throughput = vec8_lane(&w->lanes.throughput, i),
+                         .scale = w->lanes.scale[i],
+                         .pdf_w = w->lanes.pdf_w[i],
+                         .vertex = vertex_of_lane(w->stage, &w->lanes.vertex, i)};
+}
+
+/* Out of the lanes, and into them, with the vertex that it has come from. */
+static void leave_lanes(struct wave *w, uint32_t i)
+{
+    w->paths[i] = path_of_lane(w, i);
+    w->plain &= ~(1u << i);
+}
+
+static void enter_lanes(struct wave *w, uint32_t i)
+{
+    const struct path *p = &w->paths[i];
+    vec8_set_lane(&w->lanes.light, i, p->light);
+    vec8_set_lane(&w->lanes.throughput, i, p->throughput);
+    w->lanes.scale[i] = p->scale;
+    w->lanes.pdf_w[i] = p->pdf_w;
+    vec8_set_lane(&w->lanes.vertex.at.p, i, p->vertex.at.p);
+    w->plain |= 1u << i;
+}
+
+static rgb light_of(const struct wave *w, uint32_t i)
+{
+    return w->plain >> i & 1 ? vec8_lane(&w->lanes.light, i) : w->paths[i].light;
+}
+
+/* --- the first vertices --- */
+
+/* Past masks: siblings share the ray, so they share its numbers. */
+static uint32_t begin_behind(const struct stage *s, const struct rng rngs[], uint32_t found,
+                             struct ray rays[], struct ray_hit hits[])
+{
+    struct rng elders[WAVE_LANES];
+    for (uint32_t left = found; left; left &= left - 1)
+        elders[lowest(left)] = rng_elder(&rngs[lowest(left)]);
+    return path_mask_pass(s, elders, u32x8_splat(0), found, rays, hits);
+}
+
+void wave_begin(const struct stage *s, uint32_t which, const struct ray rays[],
+                const struct rng rngs[], struct wave_starts *starts)
+{
+    const struct ray *asked = rays;
+    struct ray passed[WAVE_LANES];
+    struct ray_hit hits[WAVE_LANES];
+    uint32_t found = bvh_hit_closest_8(s, which, rays, hits);
+    if (s->masked && found) {
+        memcpy(passed, rays, (32 - (size_t)__builtin_clz(which)) * sizeof *rays);
+        found = begin_behind(s, rngs, found, passed, hits);
+        rays = passed;
+    }
+    starts->met = found;
+    starts->ends = s->settings.max_bounces == 0 ? which : which & ~found;
+    starts->plain = s->media ? 0 : path8_arrive(s, found, rays, hits, &starts->lanes);
+    for (uint32_t left = which; left; left &= left - 1) {
+        const uint32_t i = lowest(left), bit = 1u << i;
+        if (s->media) {
+            starts->origins[i] = asked[i].origin;
+            starts->rays[i] = rays[i];
+            starts->hits[i] = hits[i];
+        }
+        starts->light[i] = found & bit ? rgb_gray(0) : path_beyond(s, rays[i].dir, 0);
+        if (found & bit & ~starts->plain)
+            starts->vertices[i] = path_vertex_make(s, &rays[i], &hits[i]);
+        if (found & bit & ~(starts->plain & ~starts->lanes.shining)) {
+            const struct path_vertex v = wave_first(s, starts, i);
+            starts->light[i] = path_emission(s, &v);
+        }
+    }
+}
+
+struct path_vertex wave_first(const struct stage *s, const struct wave_starts *starts, uint32_t i)
+{
+    return starts->plain >> i & 1 ? vertex_of_lane(s, &starts->lanes, i) : starts->vertices[i];
+}
+
+/* --- from vertices to rays --- */
+
+/* The vertices' materials, where some are made of others; these are never plain. */
+static void choose_materials(struct wave *w)
+{
+    const f32x8 number = rng8_single(&w->rng, rng_dimension_choice(0));
+    for (uint32_t left = w->going & ~w->plain; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        struct path_vertex *v = &w->paths[i].vertex;
+        v->material = material_at(w->stage, v->at.material, v->wo[2] < 0, number[i]);
+    }
+}
+
+static void draw(struct wave *w)
+{
+    bool lobes = false;
+    for (uint32_t left = w->going & ~w->plain; left; left &= left - 1)
+        lobes = lobes || bsdf_has_lobes(w->paths[lowest(left)].vertex.material);
+    w->draw.direction = rng8_pair(&w->rng, rng_dimension(0, RNG_BSDF_DIRECTION));
+    if (w->stage->emitters.count > 0)
+        w->lamp = rng8_pair_bits(&w->rng, rng_dimension(0, RNG_LIGHT));
+    if (lobes)
+        w->lobe = rng8_single(&w->rng, rng_dimension(0, RNG_BSDF_LOBE));
+    w->draw.first = w->bounce == 0;
+    w->draw.may_end = w->bounce >= w->roulette_begin;
+    if (w->going & i32x8_mask(w->draw.may_end))
+        w->draw.roulette = rng8_single(&w->rng, rng_dimension(0, RNG_ROULETTE));
+}
+
+/* Light that may reach the vertices. Bit i: light[i], in lanes for those that are there, comes if
+ * shadows[i] hits nothing. */
+struct direct {
+    uint32_t lanes, others;
+    struct vec8 of_lanes;
+    rgb of_others[WAVE_LANES];
+};
+
+static void look_at_lights(struct wave *w, struct direct *d)
+{
+    const struct stage *s = w->stage;
+    const uint32_t lanes = light8_can(s) ? w->going & w->plain : 0;
+    d->lanes = d->others = 0;
+    if (s->emitters.count == 0)
+        return;
+    if (lanes)
+        d->lanes = lanes & path8_light_directly(s, &w->lanes, &w->lamp, w->shadows, &d->of_lanes);
+    for (uint32_t left = w->going & ~lanes; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        const struct sobol_bits lamp = {w->lamp.u[i], w->lamp.v[i]};
+        if (w->plain >> i & 1)
+            w->paths[i] = path_of_lane(w, i);
+        d->others |=
+            (uint32_t)path_light_directly(s, &w->paths[i], lamp, &w->shadows[i], &d->of_others[i])
+            << i;
+    }
+}
+
+static void add_to_lanes(struct wave *w, uint32_t lanes, struct vec8 light)
+{
+    w->lanes.light =
+        vec8_choose(i32x8_of_bits(lanes), vec8_add(w->lanes.light, light), w->lanes.light);
+}
+
+static void add_to_path(struct wave *w, uint32_t i, rgb light)
+{
+    if (w->plain >> i & 1)
+        vec8_set_lane(&w->lanes.light, i, light_of(w, i) + light);
+    else
+        w->paths[i].light += light;
+}
+
+/* What comes along shadow rays that have met something. */
+static void add_through_masks(struct wave *w, const struct direct *d, uint32_t dark)
+{
+    for (; dark; dark &= dark - 1) {
+        const uint32_t i = lowest(dark);
+        const rgb all = d->lanes >> i & 1 ? vec8_lane(&d->of_lanes, i) : d->of_others[i];
+        add_to_path(w, i, all * path_mask_share(w->stage, w->shadows[i]));
+    }
+}
+
+static void add_direct(struct wave *w, const struct direct *d)
+{
+    const uint32_t seen = ~bvh_hit_any_8(w->stage, d->lanes | d->others, w->shadows);
+    if (d->lanes & seen)
+        add_to_lanes(w, d->lanes & seen, d->of_lanes);
+    for (uint32_t left = d->others & seen; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        add_to_path(w, i, d->of_others[i]);
+    }
+    if (w->stage->masked)
+        add_through_masks(w, d, (d->lanes | d->others) & ~seen);
+}
+
+/* Bit i: path i goes on along rays[i]. */
+static uint32_t scatter(struct wave *w)
+{
+    uint32_t next = w->going & w->plain;
+    if (next)
+        next &= path8_scatter(&w->lanes, &w->draw, w->rays);
+    for (uint32_t left = w->going & ~w->plain; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        const struct path_draw one = {
+            .direction = {w->draw.direction.u[i], w->draw.direction.v[i]},
+            .lobe = w->lobe[i],
+            .roulette = w->draw.roulette[i],
+            .first = w->draw.first[i] != 0,
+            .may_end = w->draw.may_end[i] != 0,
+        };
+        next |= (uint32_t)path_scatter(w->stage, &w->paths[i], &one, &w->rays[i]) << i;
+    }
+    return next;
+}
+
+/* --- from rays to vertices --- */
+
+/* The sky and what stands in it, where a path ends. */
+static void leave_scene(struct wave *w, uint32_t which)
+{
+    const struct stage *s = w->stage;
+    if (s->beyond_begin == s->emitters.count && which & w->plain) { /* the same for all of them */
+        const struct vec8 sky = {f32x8_splat(s->sky[0]), f32x8_splat(s->sky[1]),
+                                 f32x8_splat(s->sky[2])};
+        add_to_lanes(w, which & w->plain, vec8_mul(w->lanes.throughput, sky));
+        which &= ~w->plain;
+    }
+    for (; which; which &= which - 1) {
+        const uint32_t i = lowest(which);
+        if (w->plain >> i & 1)
+            leave_lanes(w, i);
+        struct path *p = &w->paths[i];
+        p->light += p->throughput * path_beyond(s, w->rays[i].dir, p->pdf_w);
+    }
+}
+
+/* A vertex in lanes that emits. */
+static void find_emission(struct wave *w, const struct path8_vertex *at, uint32_t i)
+{
+    struct path p = path_of_lane(w, i);
+    const struct path_vertex v = vertex_of_lane(w->stage, at, i);
+    path_arrive(w->stage, &p, &v);
+    vec8_set_lane(&w->lanes.light, i, p.light);
+}
+
+static uint32_t not_cut(const struct wave *w)
+{
+    return i32x8_mask(w->bounce + 1 < w->stage->settings.max_bounces);
+}
+
+/* There no vertex is plain. */
+static void arrive_in_media(struct wave *w, uint32_t which, uint32_t found,
+                            const struct ray_hit hits[])
+{
+    w->going = 0;
+    for (; which; which &= which - 1) {
+        const uint32_t i = lowest(which);
+        const struct ray_hit *hit = found >> i & 1 ? &hits[i] : NULL;
+        w->going |= (uint32_t)path_media_arrive(w->stage, &w->paths[i], &w->rays[i], hit) << i;
+    }
+    w->going &= not_cut(w);
+}
+
+static void arrive(struct wave *w, uint32_t which)
+{
+    const struct stage *s = w->stage;
+    struct ray_hit hits[WAVE_LANES];
+    struct path8_vertex at;
+    uint32_t found = bvh_hit_closest_8(s, which, w->rays, hits);
+    if (s->masked)
+        found = path_mask_pass(s, w->rngs, w->bounce + 1, found, w->rays, hits);
+    if (s->media) {
+        arrive_in_media(w, which, found, hits);
+        return;
+    }
+    leave_scene(w, which & ~found);
+    const uint32_t plain = path8_arrive(s, found, w->rays, hits, &at);
+    for (uint32_t left = found & ~plain; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        const struct path_vertex v = path_vertex_make(s, &w->rays[i], &hits[i]);
+        if (w->plain >> i & 1)
+            leave_lanes(w, i);
+        path_arrive(s, &w->paths[i], &v);
+    }
+    for (uint32_t left = plain & ~w->plain; left; left &= left - 1)
+        enter_lanes(w, lowest(left));
+    for (uint32_t left = plain & at.shining; left; left &= left - 1)
+        find_emission(w, &at, lowest(left));
+    if (plain)
+        w->lanes.vertex = at;
+    w->going = found & not_cut(w);
+}
+
+/* --- the way of a path --- */
+
+/* What has been found up to here; of a path that has ended, for all bounces to come as well. */
+static void note_terms(struct wave_terms *terms, uint32_t bounce, bool ended, uint32_t number,
+                       rgb light)
+{
+    const uint32_t end = ended ? terms->count : bounce + 1;
+    for (uint32_t k = bounce; k < end && k < terms->count; k++)
+        terms->light[k][number] = light;
+}
+
+static void step(struct wave *w)
+{
+    const uint32_t before = w->going;
+    struct direct direct;
+    if (w->stage->wrapped)
+        choose_materials(w);
+    draw(w);
+    look_at_lights(w, &direct);
+    const uint32_t next = scatter(w);
+    add_direct(w, &direct);
+    arrive(w, next);
+    w->bounce += 1;
+    rng8_next_bounce(&w->rng);
+    for (uint32_t left = w->terms ? before : 0; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        note_terms(w->terms, w->bounce[i], !(w->going >> i & 1), w->number[i], light_of(w, i));
+    }
+    for (uint32_t left = before & ~w->going; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        w->radiance[w->number[i]] = light_of(w, i);
+    }
+}
+
+void wave_init(struct wave *w, const struct stage *s, uint32_t roulette_begin,
+               struct wave_terms *terms, rgb radiance[])
+{
+    w->stage = s;
+    w->roulette_begin = roulette_begin;
+    w->terms = terms;
+    w->radiance = radiance;
+    w->going = w->plain = 0;
+    w->lobe = w->draw.roulette = (f32x8){0};
+}
+
+/* Paths from starts k[i] into the lanes i, which are free. */
+static void begin_paths(struct wave *w, uint32_t lanes, const struct wave_starts *starts, u32x8 k)
+{
+    const i32x8 m = i32x8_of_bits(lanes);
+    const f32x8 one = f32x8_splat(1);
+    w->going |= lanes;
+    w->plain &= ~lanes;
+    w->bounce = (u32x8)((i32x8)w->bounce & ~m);
+    w->lanes.light = vec8_take(m, vec8_gather(starts->light), k, w->lanes.light);
+    w->lanes.throughput = vec8_choose(m, (struct vec8){one, one, one}, w->lanes.throughput);
+    path8_vertex_take(&w->lanes.vertex, m, &starts->lanes, k);
+    for (; lanes; lanes &= lanes - 1) {
+        const uint32_t i = lowest(lanes), start = k[i];
+        if (starts->plain >> start & 1) {
+            w->plain |= 1u << i;
+            continue;
+        }
+        w->paths[i].media = NULL;
+        w->paths[i].light = starts->light[start];
+        w->paths[i].throughput = rgb_gray(1);
+        w->paths[i].vertex = starts->vertices[start];
+    }
+}
+
+/* Those of which nothing else comes. */
+static void end_paths(struct wave *w, uint32_t which, const struct wave_starts *starts,
+                      uint32_t number)
+{
+    for (; which; which &= which - 1)
+        w->radiance[number + lowest(which)] = starts->light[lowest(which)];
+}
+
+/* In a scene with media the light of the camera ray itself is the path's. False: it ends with it.
+ */
+static bool begin_in_media(struct wave *w, uint32_t i, const struct wave_starts *starts, uint32_t k,
+                           uint32_t number)
+{
+    struct path *p = &w->paths[i];
+    p->media = &w->media[i];
+    p->light = rgb_gray(0);
+    p->throughput = rgb_gray(1);
+    p->vertex.at.p = starts->origins[k];
+    const struct ray_hit *hit = starts->met >> k & 1 ? &starts->hits[k] : NULL;
+    const bool goes_on =
+        path_media_begin(w->stage, p, &starts->rays[k], hit) && w->stage->settings.max_bounces > 0;
+    w->going |= (uint32_t)goes_on << i;
+    w->plain &= ~(1u << i);
+    if (w->terms)
+        note_terms(w->terms, 0, !goes_on, number, p->light);
+    if (!goes_on)
+        w->radiance[number] = p->light;
+    return goes_on;
+}
+
+static void put_in_media(struct wave *w, uint32_t which, const struct wave_starts *starts,
+                         const struct rng rngs[], uint32_t number)
+{
+    for (; which; which &= which - 1) {
+        const uint32_t k = lowest(which);
+        while (w->going == (1u << WAVE_LANES) - 1)
+            step(w);
+        const uint32_t i = lowest(~w->going);
+        if (!begin_in_media(w, i, starts, k, number + k))
+            continue;
+        w->number[i] = number + k;
+        w->bounce[i] = 0;
+        rng8_set_lane(&w->rng, i, &rngs[k]);
+        w->rngs[i] = rngs[k];
+    }
+}
+
+void wave_put(struct wave *w, uint32_t which, const struct wave_starts *starts,
+              const struct rng rngs[], uint32_t number)
+{
+    if (w->stage->media) {
+        put_in_media(w, which, starts, rngs, number);
+        return;
+    }
+    for (uint32_t left = w->terms ? which : 0; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        note_terms(w->terms, 0, starts->ends >> i & 1, number + i, starts->light[i]);
+    }
+    end_paths(w, which & starts->ends, starts, number);
+    which &= ~starts->ends;
+    while (which) {
+        const uint32_t all = (1u << WAVE_LANES) - 1;
+        uint32_t taken = 0;
+        u32x8 k = {0};
+        while (w->going == all)
+            step(w);
+        for (uint32_t free = all & ~w->going; free && which; free &= free - 1) {
+            const uint32_t i = lowest(free), start = lowest(which);
+            which &= which - 1;
+            taken |= 1u << i;
+            k[i] = start;
+            w->number[i] = number + start;
+            rng8_set_lane(&w->rng, i, &rngs[start]);
+            w->rngs[i] = rngs[start];
+        }
+        begin_paths(w, taken, starts, k);
+    }
+}
+
+void wave_finish(struct wave *w)
+{
+    while (w->going)
+        step(w);
+}
