@@ -4,6 +4,7 @@
 #include "common/trace/bsdf.h"
 #include "common/trace/bvh.h"
 #include "common/trace/light8.h"
+#include "common/trace/sampler.h"
 
 static inline uint32_t lowest(uint32_t lanes)
 {
@@ -90,7 +91,18 @@ struct path_vertex wave_first(const struct stage *s, const struct wave_starts *s
 
 /* --- from vertices to rays --- */
 
-static void draw(struct wave *w)
+/* All numbers of a bounce by another sampler, whether there is a use for them or not. Apart, so
+ * that Sobol's way stays short. */
+__attribute__((noinline)) static void draw_otherwise(struct wave *w)
+{
+    const struct scene_settings *how = &w->stage->settings;
+    w->draw.direction = sampler_pair(how, &w->rng, rng_dimension(0, RNG_BSDF_DIRECTION));
+    w->lamp = sampler_pair_bits(how, &w->rng, rng_dimension(0, RNG_LIGHT));
+    w->lobe = sampler_single(how, &w->rng, rng_dimension(0, RNG_BSDF_LOBE));
+    w->draw.roulette = sampler_single(how, &w->rng, rng_dimension(0, RNG_ROULETTE));
+}
+
+static void draw_sobol(struct wave *w)
 {
     bool lobes = false;
     for (uint32_t left = w->going & ~w->plain; left; left &= left - 1)
@@ -100,10 +112,18 @@ static void draw(struct wave *w)
         w->lamp = rng8_pair_bits(&w->rng, rng_dimension(0, RNG_LIGHT));
     if (lobes)
         w->lobe = rng8_single(&w->rng, rng_dimension(0, RNG_BSDF_LOBE));
-    w->draw.first = w->bounce == 0;
-    w->draw.may_end = w->bounce >= w->roulette_begin;
     if (w->going & i32x8_mask(w->draw.may_end))
         w->draw.roulette = rng8_single(&w->rng, rng_dimension(0, RNG_ROULETTE));
+}
+
+static void draw(struct wave *w)
+{
+    w->draw.first = w->bounce == 0;
+    w->draw.may_end = w->bounce >= w->roulette_begin;
+    if (sampler_is_sobol(&w->stage->settings))
+        draw_sobol(w);
+    else
+        draw_otherwise(w);
 }
 
 /* Light that may reach the vertices. Bit i: light[i], in lanes for those that are there, comes if
@@ -170,6 +190,18 @@ static uint32_t scatter(struct wave *w)
             .may_end = w->draw.may_end[i] != 0,
         };
         next |= (uint32_t)path_scatter(&w->paths[i], &one, &w->rays[i]) << i;
+    }
+    return next;
+}
+
+/* Whitted's paths go on from smooth surfaces alone (T. Whitted, "An Improved Illumination Model for
+ * Shaded Display", CACM 23(6), 1980). */
+__attribute__((noinline)) static uint32_t smooth_alone(const struct wave *w, uint32_t next)
+{
+    for (uint32_t left = next; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        if ((w->plain >> i & 1 ? w->lanes.pdf_w[i] : w->paths[i].pdf_w) != 0)
+            next &= ~(1u << i);
     }
     return next;
 }
@@ -245,7 +277,9 @@ static void step(struct wave *w)
     struct direct direct;
     draw(w);
     look_at_lights(w, &direct);
-    const uint32_t next = scatter(w);
+    uint32_t next = scatter(w);
+    if (__builtin_expect(w->stage->settings.integrator == INTEGRATOR_WHITTED, false))
+        next = smooth_alone(w, next);
     add_direct(w, &direct);
     arrive(w, next);
     w->bounce += 1;
