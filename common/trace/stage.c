@@ -31,11 +31,17 @@ static const struct row rows[] = {
     ROW(pick_cdf, float),
     ROW(knots, struct stage_knot),
     ROW(lamps, struct stage_lamps),
+    ROW(guide, uint32_t),
     ROW(details, struct stage_detail),
     ROW(corners, struct stage_corners),
     ROW(normals, struct stage_normal),
     ROW(uvs, struct stage_uv),
     ROW(colors, struct stage_color),
+    ROW(slots, struct material_slot),
+    ROW(textures, struct stage_texture),
+    ROW(pyramids, struct stage_pyramid),
+    ROW(bytes8, struct stage_bytes),
+    ROW(texels, unsigned char),
     ROW(spots, struct stage_spot),
 };
 
