@@ -327,7 +327,12 @@ struct light {
     };
 };
 
-enum integrator_kind { INTEGRATOR_PATH };
+enum integrator_kind { INTEGRATOR_PATH, INTEGRATOR_DIRECT, INTEGRATOR_WHITTED };
+
+/* How light that lights and surfaces can both find is looked for. */
+enum strategy_kind { STRATEGY_MIS, STRATEGY_LIGHT, STRATEGY_BSDF };
+
+enum sampler_kind { SAMPLER_SOBOL, SAMPLER_INDEPENDENT, SAMPLER_STRATIFIED };
 
 struct scene_target {  /* the first one reached ends the job; at least one is set */
     double error;      /* relative error of the image (estimate.h), 0: not set */
@@ -338,6 +343,8 @@ struct scene_target {  /* the first one reached ends the job; at least one is se
 
 struct scene_settings {
     enum integrator_kind integrator;
+    enum strategy_kind strategy;
+    enum sampler_kind sampler;
     uint32_t max_bounces; /* scattering events per path; 0 shows emission alone. Default 64 */
     uint64_t seed;        /* default 0; [0, 2^53 - 1]: JSON carries it exactly */
     struct scene_target target;

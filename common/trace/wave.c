@@ -357,9 +357,10 @@ static void step(struct wave *w)
         choose_materials(w);
     if (w->stage->slots.count)
         apply_textures(w);
-    draw(w);
+    if (!wave_has_drawn_otherwise(w))
+        draw(w);
     look_at_lights(w, &direct);
-    const uint32_t next = scatter(w);
+    const uint32_t next = wave_kept(w, scatter(w));
     add_direct(w, &direct);
     arrive(w, next);
     w->bounce += 1;
