@@ -82,6 +82,7 @@ enum material_kind {
     MATERIAL_MIRROR,
     MATERIAL_DIELECTRIC,
     MATERIAL_CONDUCTOR,
+    MATERIAL_PANE,
     /* From here on without a name in documents. */
     MATERIAL_METAL, /* a "conductor" that asks for more than MATERIAL_CONDUCTOR has */
 };
@@ -119,6 +120,9 @@ struct material {
             rgb eta, k;  /* complex index of refraction per channel, eta > 0, k >= 0 */
             float alpha; /* GGX width, [0, 1]; 0 is a perfect mirror with conductor Fresnel */
         } conductor;
+        struct {
+            float ior; /* of glass, over that around it, [1, 4] */
+        } pane;
         struct {
             rgb eta, k;              /* as a conductor's */
             float alpha_x, alpha_y;  /* GGX width along the x axis of the local frame and across */

@@ -26,6 +26,7 @@ static const char *const material_names[] = {
     [MATERIAL_MIRROR] = "mirror",
     [MATERIAL_DIELECTRIC] = "dielectric",
     [MATERIAL_CONDUCTOR] = "conductor",
+    [MATERIAL_PANE] = "thin_dielectric",
 };
 _Static_assert(countof(material_names) == MATERIAL_METAL, "kinds that have no name come last");
 
@@ -48,6 +49,9 @@ static void read_material(struct scene_doc *doc, const struct scene_at *at, stru
         return;
     case MATERIAL_CONDUCTOR:
         scene_specular_conductor(&p, m);
+        return;
+    case MATERIAL_PANE:
+        scene_specular_pane(&p, m);
         return;
     case MATERIAL_METAL:
         break;

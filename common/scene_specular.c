@@ -114,6 +114,14 @@ void scene_specular_dielectric(const struct scene_params *p, struct material *m)
     m->inside.priority = (uint32_t)priority;
 }
 
+void scene_specular_pane(const struct scene_params *p, struct material *m)
+{
+    static const struct scene_key keys[] = {{"type", true}, {"ior", true}};
+    m->pane.ior = 1;
+    scene_params_of(p, "a thin_dielectric material", keys, countof(keys));
+    scene_param_number(p, "ior", (struct scene_range){1, 4, false}, &m->pane.ior);
+}
+
 static void read_constants(const struct scene_params *p, rgb *eta, rgb *k)
 {
     struct scene_at name;

@@ -92,6 +92,8 @@ static void dielectrics(void)
     m = material_of("\"type\": \"dielectric\", \"ior\": 1.5, \"absorption\": [1, 20, 0], "
                     "\"priority\": 7");
     ok(is_rgb(m.inside.absorption, 1, 20, 0) && m.inside.priority == 7, "absorption, priority");
+    m = material_of("\"type\": \"thin_dielectric\", \"ior\": 1.5");
+    ok(m.kind == MATERIAL_PANE && m.pane.ior == 1.5f, "a pane");
 }
 
 int main(void)

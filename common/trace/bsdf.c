@@ -4,6 +4,7 @@
 #include "common/trace/bsdf_conductor.h"
 #include "common/trace/bsdf_glass.h"
 #include "common/trace/bsdf_metal.h"
+#include "common/trace/bsdf_pane.h"
 #include "common/trace/fresnel.h"
 #include "common/trace/local.h"
 #include "common/trace/warp.h"
@@ -72,6 +73,7 @@ rgb bsdf_eval(const struct material *m, vec3 wo, vec3 wi)
         return bsdf_metal_eval(m, wo, wi);
     case MATERIAL_MIRROR:
     case MATERIAL_DIELECTRIC:
+    case MATERIAL_PANE:
         break;
     }
     return black;
@@ -98,6 +100,7 @@ float bsdf_pdf_w(const struct material *m, vec3 wo, vec3 wi)
         return bsdf_metal_pdf_w(m, wo, wi);
     case MATERIAL_MIRROR:
     case MATERIAL_DIELECTRIC:
+    case MATERIAL_PANE:
         break;
     }
     return 0;
@@ -117,6 +120,7 @@ static bool opaque_sample(const struct material *m, vec3 wo, float lobe, struct 
     case MATERIAL_METAL:
         return bsdf_metal_sample(m, wo, lobe, direction, s);
     case MATERIAL_DIELECTRIC:
+    case MATERIAL_PANE:
         break;
     }
     return false;
@@ -131,6 +135,8 @@ bool bsdf_sample(const struct material *m, vec3 wo, float lobe, struct square di
     if (m->kind == MATERIAL_DIELECTRIC)
         return bsdf_is_delta(m) ? dielectric_sample(m, wo, lobe, s)
                                 : bsdf_glass_sample(m, wo, lobe, direction, s);
+    if (m->kind == MATERIAL_PANE)
+        return bsdf_pane_sample(m, wo, lobe, s);
     if (wo[2] > 0)
         return opaque_sample(m, wo, lobe, direction, s);
     if (!opaque_sample(m, local_flip(wo), lobe, direction, s))

@@ -36,6 +36,7 @@ static inline bool bsdf_is_delta(const struct material *m)
     case MATERIAL_DIFFUSE:
         return false;
     case MATERIAL_MIRROR:
+    case MATERIAL_PANE:
         return true;
     case MATERIAL_DIELECTRIC: /* refraction turns light by less than (ior - 1) alpha */
         return m->dielectric.alpha < BSDF_LEAST_ALPHA ||
@@ -51,7 +52,7 @@ static inline bool bsdf_is_delta(const struct material *m)
 /* Whether sampling chooses among kinds of scattering: else bsdf_sample does not look at `lobe`. */
 static inline bool bsdf_has_lobes(const struct material *m)
 {
-    return m->kind == MATERIAL_DIELECTRIC || m->kind == MATERIAL_METAL;
+    return m->kind == MATERIAL_DIELECTRIC || m->kind == MATERIAL_PANE || m->kind == MATERIAL_METAL;
 }
 
 /* f |wi.z|. */

@@ -34,6 +34,7 @@ static float lobe_width(const struct material *m)
         return fmaxf(m->metal.alpha_x, m->metal.alpha_y);
     case MATERIAL_DIFFUSE:
     case MATERIAL_MIRROR:
+    case MATERIAL_PANE:
         break;
     }
     return 1;
