@@ -94,6 +94,11 @@ enum material_needs {
     MATERIAL_NEEDS_COLOR = 4,   /* the mesh's vertex colours */
 };
 
+struct thin_film {
+    float thickness_nm; /* [0, 2000]; 0: there is none */
+    float ior;          /* above 1, at most 4 */
+};
+
 /* What lies behind the surface of a dielectric. */
 struct inside {
     rgb absorption;    /* 1/m, [0, 1e9] */
@@ -128,6 +133,7 @@ struct material {
             float alpha_x, alpha_y;  /* GGX width along the x axis of the local frame and across */
             float turn_cos, turn_sin; /* of the angle by which these are turned about the normal */
             bool multiscatter;       /* light that meets several facets is added */
+            struct thin_film film;
         } metal;
     };
 };

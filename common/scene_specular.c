@@ -84,6 +84,21 @@ static bool read_widths(const struct scene_params *p, float widths[2])
     return true;
 }
 
+/* Of an index of 1 there is none. */
+static void read_film(const struct scene_params *p, struct thin_film *film)
+{
+    static const struct scene_key keys[] = {{"thickness_nm", true}, {"ior", true}};
+    struct scene_at at;
+    double thickness = 0, ior = 1;
+    if (!scene_at_member(p->at, "thin_film", &at) ||
+        !scene_doc_object(p->doc, &at, "a thin film", keys, countof(keys)))
+        return;
+    scene_key_number(p->doc, &at, "thickness_nm", (struct scene_range){0, 2000, false}, &thickness);
+    scene_key_number(p->doc, &at, "ior", (struct scene_range){1, 4, false}, &ior);
+    film->ior = (float)ior;
+    film->thickness_nm = film->ior > 1 ? (float)thickness : 0;
+}
+
 static void read_turn(const struct scene_params *p, float *cos, float *sin)
 {
     static const double normal[3] = {0, 0, 1};
@@ -136,15 +151,17 @@ void scene_specular_conductor(const struct scene_params *p, struct material *m)
     struct scene_at name;
     const bool named = scene_at_member(p->at, "metal", &name);
     const struct scene_key keys[] = {
-        {"type", true},  {"metal", false},        {"eta", !named},        {"k", !named},
-        {"alpha", true}, {"rotation_deg", false}, {"multiscatter", false}};
+        {"type", true},  {"metal", false},        {"eta", !named},         {"k", !named},
+        {"alpha", true}, {"rotation_deg", false}, {"multiscatter", false}, {"thin_film", false}};
+    struct thin_film film = {0, 1};
     float widths[2] = {0, 0}, turn_cos, turn_sin;
     bool multiscatter = false;
     scene_params_of(p, "a conductor material", keys, countof(keys));
     const bool two = read_widths(p, widths);
     read_turn(p, &turn_cos, &turn_sin);
     read_flag(p, "multiscatter", &multiscatter);
-    if (widths[0] == widths[1] && !multiscatter) {
+    read_film(p, &film);
+    if (widths[0] == widths[1] && !multiscatter && film.thickness_nm == 0) {
         m->kind = MATERIAL_CONDUCTOR;
         m->conductor.alpha = widths[0];
         if (!two)
@@ -162,6 +179,7 @@ void scene_specular_conductor(const struct scene_params *p, struct material *m)
     m->metal.turn_cos = turn_cos;
     m->metal.turn_sin = turn_sin;
     m->metal.multiscatter = multiscatter;
+    m->metal.film = film;
     m->needs |= widths[0] != widths[1] ? MATERIAL_NEEDS_TANGENT : 0;
     read_constants(p, &m->metal.eta, &m->metal.k);
 }
