@@ -5,23 +5,6 @@
 #include "common/layers.h"
 #include "common/scene_check.h"
 
-static void read_filter(struct scene_doc *doc, const struct scene_at *at, struct scene_film *film)
-{
-    static const char *const kinds[] = {[FILTER_BOX] = "box", [FILTER_TENT] = "tent"};
-    static const double default_radius[] = {[FILTER_BOX] = .5, [FILTER_TENT] = 1};
-    static const struct scene_key keys[] = {{"type", true}, {"radius", false}};
-    size_t kind;
-    scene_doc_object(doc, at, "the filter", keys, countof(keys));
-    struct scene_at type;
-    if (!scene_at_member(at, "type", &type) ||
-        !scene_doc_choice(doc, &type, kinds, countof(kinds), &kind))
-        return;
-    double radius = default_radius[kind];
-    scene_key_number(doc, at, "radius", (struct scene_range){.1, 16, false}, &radius);
-    film->filter = (enum filter_kind)kind;
-    film->filter_radius_px = (float)radius;
-}
-
 static void read_crop(struct scene_doc *doc, const struct scene_at *at, bool size_known,
                       struct scene_film *film)
 {
@@ -93,7 +76,7 @@ static void read_film(struct scene_doc *doc, const struct scene_at *at, struct s
     film->layers = read_layers(doc, at);
     struct scene_at member;
     if (scene_at_member(at, "filter", &member))
-        read_filter(doc, &member, film);
+        scene_read_filter(doc, &member, film);
     if (scene_at_member(at, "crop", &member))
         read_crop(doc, &member, size_known, film);
     struct err err;
@@ -161,7 +144,7 @@ void scene_read(struct scene_doc *doc, const struct scene_at *whole, struct scen
     scene_doc_object(doc, whole, "the document", keys, countof(keys));
     read_version(doc, whole);
     struct scene_at at;
-    struct scene_names names = {0};
+    struct scene_names names = {0}, textures = {.one = "texture", .known = true};
     if (scene_at_member(whole, "title", &at))
         scene_doc_text(doc, &at, 0, SCENE_MAX_NAME, &scene->title);
     if (scene_at_member(whole, "film", &at))
@@ -169,9 +152,9 @@ void scene_read(struct scene_doc *doc, const struct scene_at *whole, struct scen
     if (scene_at_member(whole, "camera", &at))
         scene_read_camera(doc, &at, &scene->camera);
     if (scene_at_member(whole, "textures", &at))
-        scene_read_textures(doc, &at, scene);
+        textures = scene_read_textures(doc, &at, scene);
     if (scene_at_member(whole, "materials", &at))
-        names = scene_read_materials(doc, &at, scene);
+        names = scene_read_materials(doc, &at, &textures, scene);
     if (scene_at_member(whole, "shapes", &at))
         scene_read_shapes(doc, &at, &names, scene);
     if (scene_at_member(whole, "lights", &at))

@@ -8,6 +8,7 @@
 #include "common/film.h"
 #include "common/scene.h"
 #include "common/trace/stage.h"
+#include "common/trace/wave.h"
 
 enum { SCENES_MAX_SHAPES = 256, SCENES_MAX = 32 }; /* shapes; materials, meshes, lights */
 
@@ -26,12 +27,12 @@ uint32_t scenes_diffuse(struct scenes *, rgb albedo); /* materials: their index 
 uint32_t scenes_mirror(struct scenes *, rgb reflectance);
 uint32_t scenes_glass(struct scenes *, float ior);
 uint32_t scenes_metal(struct scenes *, rgb eta, rgb k, float alpha);
+uint32_t scenes_material(struct scenes *, struct material); /* any */
 
 struct shape *scenes_sphere(struct scenes *, uint32_t material, vec3 center, float radius);
 struct shape *scenes_disc(struct scenes *, uint32_t material, vec3 center, vec3 normal,
                           float radius);
-struct shape *scenes_cylinder(struct scenes *, uint32_t material, vec3 from, vec3 to,
-                              float radius);
+struct shape *scenes_cylinder(struct scenes *, uint32_t material, vec3 from, vec3 to, float radius);
 /* The parallelogram corner, corner + a, corner + a + b, corner + b; its front is where a x b is. */
 struct shape *scenes_quad(struct scenes *, uint32_t material, vec3 corner, vec3 a, vec3 b);
 struct shape *scenes_triangle(struct scenes *, uint32_t material, vec3 a, vec3 b, vec3 c);
@@ -57,6 +58,10 @@ const struct stage *scenes_stage(struct scenes *); /* aborts with the message wh
 
 /* The whole frame, in passes as a job has them. The caller releases the film. */
 void scenes_render(const struct stage *, uint32_t spp, struct film *);
+
+/* What wave.h's paths bring along rays that are known already: those of `which`. */
+void scenes_follow(const struct stage *, uint32_t which, const struct wave_starts *,
+                   const struct rng rngs[], uint32_t roulette_begin, rgb radiance[]);
 
 /* Mean of all pixels of one channel, and its standard error from the replicates. */
 struct scenes_mean {

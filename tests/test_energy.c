@@ -57,27 +57,27 @@ static struct ray skin_ray(const struct skin *skin, const struct rng *rng)
 static struct scenes_mean skin_mean(const struct skin *skin, uint32_t samples)
 {
     enum { PIXELS = 64 };
-    const uint32_t each = samples / (PIXELS * PATH_WAVE);
+    const uint32_t each = samples / (PIXELS * WAVE_LANES);
     struct stat_mean m = {0};
     for (uint32_t pixel = 0; pixel < PIXELS; pixel++) {
-        double sum[PATH_WAVE] = {0};
+        double sum[WAVE_LANES] = {0};
         for (uint32_t j = 0; j < each; j++) {
-            struct ray rays[PATH_WAVE];
-            struct rng rngs[PATH_WAVE];
-            struct path_starts starts;
-            rgb light[PATH_WAVE];
-            for (uint32_t k = 0; k < PATH_WAVE; k++) {
-                rngs[k] = rng_make(1, pixel, 0, PATH_WAVE * j + k);
+            struct ray rays[WAVE_LANES];
+            struct rng rngs[WAVE_LANES];
+            struct wave_starts starts;
+            rgb light[WAVE_LANES];
+            for (uint32_t k = 0; k < WAVE_LANES; k++) {
+                rngs[k] = rng_make(1, pixel, 0, WAVE_LANES * j + k);
                 rays[k] = skin_ray(skin, &rngs[k]);
             }
-            path_begin(skin->stage, 0xff, rays, &starts);
-            for (uint32_t k = 0; k < PATH_WAVE; k++)
+            wave_begin(skin->stage, 0xff, rays, rngs, &starts);
+            for (uint32_t k = 0; k < WAVE_LANES; k++)
                 starts.light[k] = rgb_gray(0);
-            path_radiance(skin->stage, 0xff, &starts, rngs, PATH_ROULETTE_BEGIN, NULL, light);
-            for (uint32_t k = 0; k < PATH_WAVE; k++)
+            scenes_follow(skin->stage, 0xff, &starts, rngs, PATH_ROULETTE_BEGIN, light);
+            for (uint32_t k = 0; k < WAVE_LANES; k++)
                 sum[k] += (double)light[k][1] / each;
         }
-        for (uint32_t k = 0; k < PATH_WAVE; k++)
+        for (uint32_t k = 0; k < WAVE_LANES; k++)
             stat_add(&m, sum[k]);
     }
     return (struct scenes_mean){m.mean, stat_error(&m)};

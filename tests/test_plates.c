@@ -51,13 +51,14 @@ struct ways {
 static struct ways three_ways(const struct stage *stage, struct ray ray, uint32_t count)
 {
     struct ways w = {.aimed = {0}};
-    struct path_starts start;
-    path_begin(stage, 1, &ray, &start);
-    const struct path_vertex vertex = path_first(stage, &start, 0);
+    const struct rng first = rng_make(17, 0, 0, 0);
+    struct wave_starts start;
+    wave_begin(stage, 1, &ray, &first, &start);
+    const struct path_vertex vertex = wave_first(stage, &start, 0);
     for (uint32_t i = 0; i < count; i++) {
         const struct rng rng = rng_make(17, i & 0xffff, i >> 16, 0);
         rgb light;
-        path_radiance(stage, 1, &start, &rng, UINT32_MAX, NULL, &light);
+        scenes_follow(stage, 1, &start, &rng, UINT32_MAX, &light);
         stat_add(&w.both, (double)light[0]);
         stat_add(&w.aimed, aimed(stage, &vertex, &rng));
         stat_add(&w.drawn, drawn(stage, &vertex, &rng));

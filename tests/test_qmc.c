@@ -66,7 +66,7 @@ static void glass(struct scenes *s)
  */
 static void two_alone(const struct stage *stage, uint32_t pixel, uint32_t i, double light[2])
 {
-    struct path_starts starts;
+    struct wave_starts starts;
     struct rng rngs[2];
     rgb radiance[2];
     for (uint32_t k = 0; k < 2; k++)
@@ -75,8 +75,8 @@ static void two_alone(const struct stage *stage, uint32_t pixel, uint32_t i, dou
     const struct ray ray =
         camera_ray(&stage->camera, (float)(pixel % SIDE) + q.u, (float)(pixel / SIDE) + q.v);
     const struct ray rays[2] = {ray, ray};
-    path_begin(stage, 3, rays, &starts);
-    path_radiance(stage, 3, &starts, rngs, PATH_ROULETTE_BEGIN, NULL, radiance);
+    wave_begin(stage, 3, rays, rngs, &starts);
+    scenes_follow(stage, 3, &starts, rngs, PATH_ROULETTE_BEGIN, radiance);
     for (int k = 0; k < 2; k++)
         light[k] = (double)rgb_luminance(radiance[k]);
 }

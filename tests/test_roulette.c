@@ -74,18 +74,21 @@ struct walk {
 static void walk(const struct stage *stage, struct ray ray, uint32_t roulette_begin, uint32_t count,
                  struct walk *w)
 {
-    struct path_starts starts;
-    struct ray rays[PATH_WAVE];
-    for (uint32_t i = 0; i < PATH_WAVE; i++)
+    struct wave_starts starts;
+    struct ray rays[WAVE_LANES];
+    struct rng first[WAVE_LANES];
+    for (uint32_t i = 0; i < WAVE_LANES; i++) {
         rays[i] = ray;
-    path_begin(stage, 0xff, rays, &starts);
-    for (uint32_t i = 0; i < count; i += PATH_WAVE) {
-        struct rng rngs[PATH_WAVE];
-        rgb light[PATH_WAVE];
-        for (uint32_t k = 0; k < PATH_WAVE; k++)
+        first[i] = rng_make(9, 0, 0, i);
+    }
+    wave_begin(stage, 0xff, rays, first, &starts);
+    for (uint32_t i = 0; i < count; i += WAVE_LANES) {
+        struct rng rngs[WAVE_LANES];
+        rgb light[WAVE_LANES];
+        for (uint32_t k = 0; k < WAVE_LANES; k++)
             rngs[k] = rng_make(9, (i + k) & 0xffff, (i + k) >> 16, 0);
-        path_radiance(stage, 0xff, &starts, rngs, roulette_begin, NULL, light);
-        for (uint32_t k = 0; k < PATH_WAVE; k++) {
+        scenes_follow(stage, 0xff, &starts, rngs, roulette_begin, light);
+        for (uint32_t k = 0; k < WAVE_LANES; k++) {
             stat_add(&w->light, (double)light[k][0]);
             if (w->lengths)
                 w->seen[length_of(w->lengths, (double)light[k][0])]++;
@@ -110,7 +113,7 @@ static void lengths_and_variance(float a)
     mirrors(&s, a);
     lengths_make(&l, (double)a);
     w = (struct walk){.lengths = &l};
-    const uint32_t count = stat_tries(60000, 2000000) / PATH_WAVE * PATH_WAVE;
+    const uint32_t count = stat_tries(60000, 2000000) / WAVE_LANES * WAVE_LANES;
     walk(scenes_stage(&s), some_ray(), PATH_ROULETTE_BEGIN, count, &w);
     double due[MOST + 1] = {0}, rays = 0;
     for (int n = 0; n <= MOST; n++) {

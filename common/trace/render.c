@@ -5,12 +5,13 @@
 #include <string.h>
 
 #include "common/trace/camera.h"
+#include "common/trace/filter.h"
 #include "common/trace/layer.h"
 #include "common/trace/rng.h"
 #include "common/trace/wave.h"
 
-/* A sample above this is taken for an error. SCENE_MAX_SPP = 2^24 samples below it add up to less
- * than 2^127, so that no sum leaves the range of float. */
+/* A sample above this is taken for an error. SCENE_MAX_SPP = 2^24 samples below it, weighed by 16/9
+ * at most, add up to less than 2^127, so that no sum leaves the range of float. */
 #define RENDER_MAX_RADIANCE 0x1p+102f
 
 _Static_assert((int)FILM_REPLICATES == (int)WAVE_LANES, "an octet's rays go together");
@@ -22,6 +23,7 @@ struct octet {
     uint32_t x_px, y_px;
     struct rng_pixel rng;
     struct camera_rays rays;
+    f32x8 weight;              /* of the elder's samples, if the filter is signed */
     uint32_t elder;            /* whose rays they are; UINT32_MAX: nobody's */
     uint32_t begun;            /* bit i: starts[i] is the elder's, too */
     struct wave_starts starts; /* for two siblings each */
@@ -32,6 +34,7 @@ static void octet_init(struct octet *o, const struct stage *s, uint32_t x_px, ui
     o->stage = s;
     o->x_px = x_px;
     o->y_px = y_px;
+    o->weight = f32x8_splat(1);
     o->elder = UINT32_MAX;
     rng_pixel_init(&o->rng, s->settings.seed, x_px, y_px);
 }
@@ -55,8 +58,10 @@ static void octet_go(struct octet *o, uint32_t index)
     o->elder = index / 2;
     o->begun = 0;
     const struct sobol8_square q = rng_pixel_filter(&o->rng);
-    const f32x8 x = (float)o->x_px + 0.5f + camera_filter(&s->film, q.u);
-    const f32x8 y = (float)o->y_px + 0.5f + camera_filter(&s->film, q.v);
+    const f32x8 dx = filter_offset(s, q.u), dy = filter_offset(s, q.v);
+    const f32x8 x = (float)o->x_px + 0.5f + dx, y = (float)o->y_px + 0.5f + dy;
+    if (filter_is_signed(s))
+        o->weight = filter_weight(s, dx, dy);
     if (s->camera.kind == CAMERA_PERSPECTIVE)
         camera_rays(&s->camera, x, y, &o->rays);
     else
@@ -71,7 +76,7 @@ static void octet_begin(struct octet *o, uint32_t which)
         return;
     for (uint32_t i = 0; i < FILM_REPLICATES; i++)
         rays[i] = camera_rays_at(&o->stage->camera, &o->rays, i);
-    wave_begin(o->stage, which, rays, &o->starts);
+    wave_begin(o->stage, which, rays, o->rng.replicate, &o->starts);
     o->begun = which;
 }
 
@@ -129,6 +134,7 @@ struct row {
     struct wave_terms terms;
     uint32_t count; /* octets under way */
     struct octet_samples {
+        f32x8 weight; /* by replicate, if the filter is signed */
         uint32_t x_px, s_begin, s_end;
     } octets[ROW_OCTETS];
     rgb radiance[ROW_OCTETS * FILM_REPLICATES];
@@ -149,7 +155,16 @@ static void pixel_end(struct row *r)
         *r->layers++ = (float)r->pixel.layers[i];
 }
 
-static void add_octet(struct row *r, const struct octet_samples *o, const rgb radiance[])
+/* The filter's sign, and gain, on what sample i of the eight has brought, which was judged before.
+ */
+static void weigh(float weight, struct wave_terms *terms, uint32_t i, rgb *radiance)
+{
+    *radiance *= weight;
+    for (uint32_t k = 0; k < terms->count; k++)
+        terms->light[k][i] *= weight;
+}
+
+static void add_octet(struct row *r, const struct octet_samples *o, rgb radiance[])
 {
     struct pixel *to = &r->pixel;
     const uint32_t layers = r->out->layers;
@@ -164,6 +179,8 @@ static void add_octet(struct row *r, const struct octet_samples *o, const rgb ra
             film_samples_note_invalid(r->out, (struct film_key){o->x_px, r->octet.y_px, sample});
             continue;
         }
+        if (filter_is_signed(r->octet.stage))
+            weigh(o->weight[i], &r->terms, i, &radiance[i]);
         to->sums[i] += f64x4_of(radiance[i]);
         if (r->terms.count)
             layer_bounces(layers, &r->terms, i, radiance[i], to->layers);
@@ -190,7 +207,7 @@ static void row_pixel(struct row *r, uint32_t x_px)
         octet_go(&r->octet, first / FILM_REPLICATES);
         octet_put(&r->octet, (1u << (end - first)) - (1u << (i - first)), &r->wave,
                   r->count * FILM_REPLICATES);
-        r->octets[r->count++] = (struct octet_samples){x_px, i, end};
+        r->octets[r->count++] = (struct octet_samples){r->octet.weight, x_px, i, end};
         if (r->count == ROW_OCTETS || r->out->layers)
             row_flush(r);
     }
