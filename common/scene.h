@@ -99,6 +99,7 @@ enum material_kind {
     MATERIAL_MIX,
     MATERIAL_MASK,
     MATERIAL_TWO_SIDED,
+    MATERIAL_PANE,
     /* From here on without a name in documents. */
     MATERIAL_METAL, /* a "conductor" that asks for more than MATERIAL_CONDUCTOR has */
 };
@@ -108,6 +109,11 @@ enum material_needs {
     MATERIAL_NEEDS_UV = 1,      /* uv: a parameter is textured */
     MATERIAL_NEEDS_TANGENT = 2, /* the x axis of the local frame along growing u */
     MATERIAL_NEEDS_COLOR = 4,   /* the mesh's vertex colours */
+};
+
+struct thin_film {
+    float thickness_nm; /* [0, 2000]; 0: there is none */
+    float ior;          /* above 1, at most 4 */
 };
 
 /* What lies behind the surface of a dielectric. */
@@ -196,10 +202,14 @@ struct material {
             uint32_t front, back; /* both opaque */
         } two_sided;
         struct {
+            float ior; /* of glass, over that around it, [1, 4] */
+        } pane;
+        struct {
             rgb eta, k;              /* as a conductor's */
             float alpha_x, alpha_y;  /* GGX width along the x axis of the local frame and across */
             float turn_cos, turn_sin; /* of the angle by which these are turned about the normal */
             bool multiscatter;       /* light that meets several facets is added */
+            struct thin_film film;
         } metal;
     };
 };

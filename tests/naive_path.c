@@ -138,6 +138,7 @@ static bool scatter(const struct material *m, bool front, struct dir wo, struct 
         return either_dielectric(m, front, wo, dice, wi, weight);
     case MATERIAL_CONDUCTOR:
         return conductor(m, wo, dice, wi, weight);
+    case MATERIAL_PANE:
     case MATERIAL_METAL:
     case MATERIAL_ROUGH_DIFFUSE:
     case MATERIAL_RETROREFLECTOR:

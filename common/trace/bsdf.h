@@ -38,6 +38,7 @@ static inline bool bsdf_is_delta(const struct material *m)
     case MATERIAL_DIFFUSE:
         return false;
     case MATERIAL_MIRROR:
+    case MATERIAL_PANE:
         return true;
     case MATERIAL_DIELECTRIC: /* refraction turns light by less than (ior - 1) alpha */
         return m->dielectric.alpha < BSDF_LEAST_ALPHA ||
@@ -75,7 +76,8 @@ static inline bool bsdf_has_lobes(const struct material *m)
 {
     const uint32_t lobed = 1u << MATERIAL_DIELECTRIC | 1u << MATERIAL_ROUGH_DIFFUSE |
                            1u << MATERIAL_LEAF | 1u << MATERIAL_PLASTIC |
-                           1u << MATERIAL_PRINCIPLED | 1u << MATERIAL_CLOTH | 1u << MATERIAL_METAL;
+                           1u << MATERIAL_PRINCIPLED | 1u << MATERIAL_CLOTH | 1u << MATERIAL_PANE |
+                           1u << MATERIAL_METAL;
     return lobed >> m->kind & 1;
 }
 
