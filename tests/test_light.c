@@ -66,7 +66,7 @@ static float direction_pdf_w(const void *what, vec3 w)
     const struct surface at = surface_at(c->stage, &ray, &hit);
     if (at.emitter == STAGE_NONE || vec3_dot(at.ng, w) > 0)
         return 0;
-    return light_pdf_w(c->stage, c->from.p, &at);
+    return light_pdf_w(c->stage, &c->from, &at);
 }
 
 static void judge(struct scenes *s, float pdf_most, const char *name)
@@ -282,7 +282,7 @@ static void picks_follow_table(void)
             const vec3 d = vec3_unit(at.p - from.p);
             if (vec3_dot(d, light.wi) > 0.9997f) {
                 seen[k]++;
-                chosen[k] = (double)light.pdf_w / (double)light_pdf_w(stage, from.p, &at);
+                chosen[k] = (double)light.pdf_w / (double)light_pdf_w(stage, &from, &at);
             }
         }
     }

@@ -45,6 +45,12 @@ static inline bool bsdf_is_delta(const struct material *m)
     __builtin_unreachable();
 }
 
+/* Whether light stays on the side from which it came. */
+static inline bool bsdf_is_opaque(const struct material *m)
+{
+    return m->kind != MATERIAL_DIELECTRIC;
+}
+
 /* Whether sampling chooses among kinds of scattering: else bsdf_sample does not look at `lobe`. */
 static inline bool bsdf_has_lobes(const struct material *m)
 {

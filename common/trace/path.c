@@ -33,12 +33,15 @@ static struct path_vertex vertex_make(const struct stage *s, const struct ray *r
 {
     const struct surface at = surface_at(s, ray, hit);
     const struct warp_frame frame = warp_frame_make(at.ng);
-    return (struct path_vertex){
+    struct path_vertex v = {
         .at = at,
         .frame = frame,
         .material = (const struct material *)stage_at(s, s->materials) + at.material,
         .wo = warp_to_local(&frame, -ray->dir),
     };
+    if (s->light_nodes.count && bsdf_is_opaque(v.material))
+        v.at.lit = v.wo[2] < 0 ? -1 : 1;
+    return v;
 }
 
 /* What a ray that leaves the scene meets. pdf_w: of its direction, by the sampling that made it; 0:
@@ -113,8 +116,28 @@ struct wave {
     rgb light[PATH_WAVE];
 };
 
+/* Which of many lights is sampled, by path. */
+static void pick_lights(const struct wave *w, struct light_pick picks[PATH_WAVE])
+{
+    const struct surface *from[PATH_WAVE];
+    uint32_t path_of[PATH_WAVE], bits[PATH_WAVE], count = 0;
+    struct light_pick found[PATH_WAVE];
+    for (uint32_t i = 0; i < w->going; i++) {
+        const uint32_t path = w->path_of[i];
+        const struct path_vertex *v = &w->paths[path].vertex;
+        if (bsdf_is_delta(v->material))
+            continue;
+        from[count] = &v->at;
+        bits[count] = w->lamp.u[path];
+        path_of[count++] = path;
+    }
+    light_pick(w->stage, from, bits, count, found);
+    for (uint32_t i = 0; i < count; i++)
+        picks[path_of[i]] = found[i];
+}
+
 /* Light that may reach the vertex from one chosen emitter and goes on to wo, MIS-weighted. */
-static void light_directly(struct wave *w, uint32_t path)
+static void light_directly(struct wave *w, uint32_t path, const struct light_pick *pick)
 {
     const struct stage *s = w->stage;
     const struct path *p = &w->paths[path];
@@ -124,7 +147,8 @@ static void light_directly(struct wave *w, uint32_t path)
         return;
     const struct sobol_bits place = {w->lamp.u[path], w->lamp.v[path]};
     struct light_sample light;
-    if (!light_sample(s, &v->at, place, &light))
+    if (!(pick ? light_sample_picked(s, &v->at, *pick, place.v, &light)
+               : light_sample(s, &v->at, place, &light)))
         return;
     const vec3 wi = warp_to_local(&v->frame, light.wi);
     rgb f = bsdf_eval(m, v->wo, wi);
@@ -176,14 +200,14 @@ static bool arrive(struct wave *w, uint32_t path, const struct ray *ray, const s
         p->light += p->throughput * beyond(s, ray->dir, p->pdf_w);
         return false;
     }
-    const vec3 from = p->vertex.at.p;
+    const struct surface from = p->vertex.at;
     p->vertex = vertex_make(s, ray, hit);
 
     /* Emission found by the BSDF's sampling; a delta lobe's by nothing else */
     const rgb found = emission(s, &p->vertex);
     if (!rgb_is_black(found)) {
         const float weight =
-            p->pdf_w == 0 ? 1 : mis_weight(p->pdf_w, light_pdf_w(s, from, &p->vertex.at));
+            p->pdf_w == 0 ? 1 : mis_weight(p->pdf_w, light_pdf_w(s, &from, &p->vertex.at));
         p->light += p->throughput * found * weight;
     }
     return w->bounce + 1 < s->settings.max_bounces;
@@ -209,9 +233,13 @@ static void wave_step(struct wave *w)
     uint32_t going = 0;
     draw(w);
     w->shadow_count = 0;
+    struct light_pick picks[PATH_WAVE];
+    const bool picked = w->stage->light_nodes.count > 0;
+    if (picked)
+        pick_lights(w, picks);
     for (uint32_t i = 0; i < w->going; i++) {
         const uint32_t path = w->path_of[i];
-        light_directly(w, path);
+        light_directly(w, path, picked ? &picks[path] : NULL);
         w->path_of[going] = path;
         going += scatter(w, path, &w->rays[going]);
     }

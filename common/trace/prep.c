@@ -65,6 +65,9 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->emitters, p->emitters, sizeof *p->emitters},
         {&head->pick_cdf, p->pick_cdf, sizeof *p->pick_cdf},
         {&head->spots, p->spots, sizeof *p->spots},
+        {&head->light_nodes, p->light_nodes, sizeof *p->light_nodes},
+        {&head->light_slots, p->light_slots, sizeof *p->light_slots},
+        {&head->light_parents, p->light_parents, sizeof *p->light_parents},
     };
     uint64_t bytes = (sizeof *head + STAGE_ALIGN - 1) / STAGE_ALIGN * STAGE_ALIGN;
     for (size_t i = 0; i < countof(pieces); i++) {
@@ -159,7 +162,7 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
     p.head.film = scene->film;
     p.head.settings = scene->settings;
     prep_shapes(&p, crew);
-    prep_lights(&p);
+    prep_lights(&p, scratch);
     aim_camera(&p);
     const bool fits = check_lines(&p, err);
     if (fits) {

@@ -147,7 +147,11 @@ static void pick_emitters(struct prep_plan *p)
     }
 }
 
-void prep_lights(struct prep_plan *p)
+/* From so many emitters on that have a place, one is picked by the tree. It would pay from dozens on,
+ * but then scenes whose images are known would get other pixels (docs/design.md). */
+enum { TREE_FROM = 512 };
+
+void prep_lights(struct prep_plan *p, struct arena *scratch)
 {
     for (uint32_t i = 0; i < p->scene->light_count; i++)
         if (p->scene->lights[i].kind == LIGHT_SKY)
@@ -158,4 +162,6 @@ void prep_lights(struct prep_plan *p)
     p->head.beyond_begin = (uint32_t)p->head.emitters.count;
     add_lights(p, RANK_BEYOND);
     pick_emitters(p);
+    if (p->head.far_begin >= TREE_FROM)
+        prep_light_tree(p, scene_radius(&p->head), scratch);
 }

@@ -31,6 +31,8 @@ struct prep_plan {
     double *power; /* of each emitter */
     float *pick_cdf;
     struct stage_spot *spots;
+    struct stage_light_node *light_nodes; /* NULL: no tree */
+    uint32_t *light_slots, *light_parents;
 };
 
 /* Allocates the arrays. False: too many primitives. */
@@ -41,8 +43,12 @@ bool prep_plan_make(struct prep_plan *, const struct scene *, struct arena *scra
  * known. */
 void prep_shapes(struct prep_plan *, const struct crew *);
 
-/* The document's lights -> emitters behind those of shapes, and the table by which one is picked.
- * After prep_shapes: a distant light shines on what there is. */
-void prep_lights(struct prep_plan *);
+/* The document's lights -> emitters behind those of shapes; and the table by which one is picked, or
+ * the tree if they are many. After prep_shapes: a distant light shines on what there is. */
+void prep_lights(struct prep_plan *, struct arena *scratch);
+
+/* The tree over emitters [0, far_begin), which know their triangles by their number among the
+ * world's. radius: of the scene. */
+void prep_light_tree(struct prep_plan *, double radius, struct arena *scratch);
 
 #endif

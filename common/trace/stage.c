@@ -30,6 +30,9 @@ static const struct row rows[] = {
     ROW(emitters, struct emitter),
     ROW(pick_cdf, float),
     ROW(spots, struct stage_spot),
+    ROW(light_nodes, struct stage_light_node),
+    ROW(light_slots, uint32_t),
+    ROW(light_parents, uint32_t),
 };
 
 _Static_assert((sizeof(struct stage) - offsetof(struct stage, shapes)) /

@@ -118,6 +118,26 @@ struct stage_spot {
     float inner, outer; /* 1 - cos of the angles between which its light falls off */
 };
 
+/* A node of the tree over the emitters that have a place: eight groups of them, lane by lane, a
+ * group being a node again or one emitter. The lanes not used are behind the others and have no
+ * intensity. light_tree.h says what is made of it. 384 bytes: of a node whose lights all shine all
+ * round, the first three lines alone are looked at. */
+struct stage_light_node {
+    float center[3][STAGE_LANES], radius[STAGE_LANES]; /* of a sphere that holds them */
+    float intensity[STAGE_LANES]; /* the sum of the most each shines to where it faces, > 0; in units
+                                   * of all of it over the square of the scene's radius */
+    uint32_t child[STAGE_LANES]; /* a node, or STAGE_LIGHT_LEAF + an emitter; the first one's with
+                                  * STAGE_LIGHT_ROUND if all lights of all lanes shine all round */
+
+    float axis[3][STAGE_LANES]; /* unit: the middle of the directions in which they face */
+    float facing[STAGE_LANES];  /* cos of the angle from there to the last of those directions */
+    float reach[STAGE_LANES];   /* cos of the largest angle from where one faces to where it shines */
+    uint32_t pad[8];
+};
+
+#define STAGE_LIGHT_LEAF  0x80000000u
+#define STAGE_LIGHT_ROUND 0x40000000u
+
 struct stage_camera {
     float origin[3];
     float corner[3];    /* direction_raw through the top left corner of the frame */
@@ -155,6 +175,9 @@ struct stage {
     struct stage_span emitters;  /* struct emitter */
     struct stage_span pick_cdf;  /* float: cumulative pick, one more than emitters */
     struct stage_span spots;     /* struct stage_spot */
+    struct stage_span light_nodes; /* struct stage_light_node; none: there are too few lights */
+    struct stage_span light_slots; /* uint32_t: of each emitter in the tree, 8 node + lane */
+    struct stage_span light_parents; /* uint32_t: of each node the same; the root is node 0 */
 };
 
 static inline const void *stage_at(const struct stage *s, struct stage_span span)
