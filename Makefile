@@ -42,6 +42,7 @@ ALL_LDFLAGS = -pthread -pie -Wl,-z,relro,-z,now $(LDFLAGS_$(MODE)) $(LDFLAGS)
 LIBS_COMMON := -ljansson -lz -lcrypto -lm
 LIBS_HTTP   := -lcurl
 LIBS_IMAGE  := -lOpenEXRCore -lpng
+LIBS_ASSET  := $(LIBS_IMAGE) -ljpeg
 LIBS_SERVER := -lmicrohttpd -lsqlite3
 LIBS_WORKER := -lxxhash
 # Only bench_rays has Embree, and only where its header is; else it says so.
@@ -84,15 +85,15 @@ $(B)/smaltid: $(O)/server/main.o $(O)/libserver.a $(O)/libcommon.a
 	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_SERVER) $(LIBS_IMAGE) $(LIBS_COMMON)
 $(B)/smalti-worker: $(O)/worker/main.o $(O)/libworker.a $(O)/libtrace.a $(O)/libcommon.a
 	@mkdir -p $(@D)
-	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_WORKER) $(LIBS_HTTP) $(LIBS_COMMON)
+	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_WORKER) $(LIBS_HTTP) $(LIBS_ASSET) $(LIBS_COMMON)
 $(B)/smalti: $(O)/client/main.o $(O)/libclient.a $(O)/libtrace.a $(O)/libcommon.a
 	@mkdir -p $(@D)
-	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_HTTP) $(LIBS_IMAGE) $(LIBS_COMMON)
+	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_HTTP) $(LIBS_ASSET) $(LIBS_COMMON)
 
 # Tests, tools and benchmarks may use every part of every program but its main.c.
 PARTS = $(O)/libaccel.a $(O)/libbench.a $(O)/libtest.a $(O)/libserver.a $(O)/libworker.a $(O)/libclient.a \
 	$(O)/libtrace.a $(O)/libcommon.a
-LIBS_ALL = $(LIBS_SERVER) $(LIBS_WORKER) $(LIBS_HTTP) $(LIBS_IMAGE) $(LIBS_COMMON)
+LIBS_ALL = $(LIBS_SERVER) $(LIBS_WORKER) $(LIBS_HTTP) $(LIBS_ASSET) $(LIBS_COMMON)
 $(B)/test_%: $(O)/tests/test_%.o $(PARTS)
 	@mkdir -p $(@D)
 	$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_ALL)

@@ -49,16 +49,18 @@ void ours_trace_eights(const struct stage *stage, const struct shots *s, struct 
     struct ray_hit found[8];
     for (size_t at = 0; at < s->count; at += 8) {
         const uint32_t count = (uint32_t)min_size(8, s->count - at);
-        for (uint32_t i = 0; i < count; i++)
+        for (uint32_t i = 0; i < count; i++) {
             rays[i] = ray_of(&s->list[at + i]);
+            found[i] = (struct ray_hit){.t = rays[i].t_max, .prim = SHOTS_MISS};
+        }
         if (s->kind == SHOTS_SHADOW) {
-            const uint32_t any = bvh_hit_any_8(stage, rays, count);
+            const uint32_t any = bvh_hit_any_8(stage, (1u << count) - 1, rays);
             for (uint32_t i = 0; i < count; i++)
                 hits[at + i] = any_of(any >> i & 1);
         } else {
-            const uint32_t closest = bvh_hit_closest_8(stage, rays, count, found);
+            bvh_hit_closest_8(stage, (1u << count) - 1, rays, found); /* leaves misses as they are */
             for (uint32_t i = 0; i < count; i++)
-                hits[at + i] = closest >> i & 1 ? hit_of(&found[i]) : miss_of(&s->list[at + i]);
+                hits[at + i] = hit_of(&found[i]);
         }
     }
 }

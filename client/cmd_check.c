@@ -8,7 +8,7 @@
 
 static const char usage[] =
     "Usage: smalti check SCENE [--json]\n"
-    "Reads a scene and the meshes it names and prints everything that is wrong with them, one\n"
+    "Reads a scene and the files it names and prints everything that is wrong with them, one\n"
     "'FILE: PLACE: TEXT' a line; PLACE is a JSON pointer, or line and column of a syntax\n"
     "error.\n"
     "\n"
@@ -35,12 +35,12 @@ static void print_summary(const struct scene_disk *d, uint32_t unread)
         if (d->scene.shapes[i].kind == SHAPE_MESH)
             triangles += d->scene.meshes[d->scene.shapes[i].mesh.mesh].triangle_count;
     printf("valid: %u x %u pixels, %u shapes, %u meshes with %llu triangles, %u materials, %u "
-           "lights\n",
+           "lights, %u images\n",
            d->scene.film.width_px, d->scene.film.height_px, d->scene.shape_count,
            d->scene.mesh_count, (unsigned long long)triangles, d->scene.material_count,
-           d->scene.light_count);
+           d->scene.light_count, d->scene.image_count);
     if (unread)
-        printf("not read: %u meshes that are named by their hash only\n", unread);
+        printf("not read: %u files that are named by their hash only\n", unread);
 }
 
 int cmd_check(int argc, char *const *args)

@@ -98,7 +98,7 @@ static bool load(struct render *r, int *status)
         return false;
     }
     if (unread) {
-        fprintf(stderr, "%s: %u meshes are named by their hash only; name their files\n",
+        fprintf(stderr, "%s: %u meshes or images are named by their hash only; name their files\n",
                 r->scene_file, unread);
         *status = CMD_INPUT;
         return false;

@@ -8,7 +8,7 @@
 
 static const char usage[] =
     "Usage: smalti submit SCENE [OPTION]...\n"
-    "Sends a scene to a coordinator, after the mesh files it does not have yet, and prints\n"
+    "Sends a scene to a coordinator, after the mesh and image files it does not have yet, and prints\n"
     "the job's id.\n"
     "\n"
     "  --server URL     ($SMALTI_SERVER, or http://127.0.0.1:7080)\n"

@@ -13,7 +13,7 @@ static const char usage[] =
     "  render SCENE       render to an EXR file, with a coordinator and workers of its own\n"
     "\n"
     "With a coordinator (--server URL, $SMALTI_SERVER, or http://127.0.0.1:7080):\n"
-    "  submit SCENE       send a scene and the meshes it names; prints the job's id\n"
+    "  submit SCENE       send a scene and the files it names; prints the job's id\n"
     "  status [ID]        one job, or the newest ones\n"
     "  watch ID           follow a job until it ends\n"
     "  fetch ID           its image so far\n"

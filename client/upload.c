@@ -30,7 +30,7 @@ static bool upload_one(struct remote *r, const struct scene_disk_asset *asset, s
 
 bool upload_assets(struct remote *r, const struct scene_disk *scene, struct err *err)
 {
-    for (uint32_t i = 0; i < scene->scene.mesh_count; i++)
+    for (uint32_t i = 0; i < scene->asset_count; i++)
         if (scene->assets[i].path && !upload_one(r, &scene->assets[i], err))
             return false;
     return true;

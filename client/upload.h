@@ -1,4 +1,4 @@
-/* upload.h - a scene on disk to a job: its mesh files as assets, then the document.
+/* upload.h - a scene on disk to a job: its mesh and image files as assets, then the document.
  * SPDX-License-Identifier: MIT */
 #ifndef CLIENT_UPLOAD_H
 #define CLIENT_UPLOAD_H

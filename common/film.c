@@ -16,6 +16,14 @@ struct film_samples film_samples_make(struct tile_rect rect, struct tile_pass pa
     };
 }
 
+void film_samples_add_layers(struct film_samples *s, uint32_t layers, struct arena *arena)
+{
+    const size_t channels = layers_channels(layers);
+    s->layers = layers;
+    if (channels)
+        s->layer_sums = arena_new(arena, float, tile_rect_pixels(s->rect) * channels);
+}
+
 void film_samples_note_invalid(struct film_samples *s, struct film_key key)
 {
     s->invalid_count++;
@@ -34,8 +42,18 @@ void film_init(struct film *f, struct tile_rect window)
     };
 }
 
+void film_add_layers(struct film *f, uint32_t layers)
+{
+    assert(!f->layers);
+    f->layers = layers;
+    if (layers)
+        f->layer = arena_malloc(tile_rect_pixels(f->window),
+                                layers_channels(layers) * sizeof *f->layer);
+}
+
 void film_release(struct film *f)
 {
+    free(f->layer);
     free(f->sum);
     free(f->replicate);
     free(f->spp);
@@ -45,7 +63,8 @@ void film_release(struct film *f)
 size_t film_bytes(const struct film *f)
 {
     return (size_t)tile_rect_pixels(f->window) *
-           (3 * sizeof *f->sum + FILM_CHANNELS * sizeof *f->replicate + sizeof *f->spp);
+           (3 * sizeof *f->sum + FILM_CHANNELS * sizeof *f->replicate + sizeof *f->spp +
+            layers_channels(f->layers) * sizeof *f->layer);
 }
 
 static void merge_pixel(struct film *f, size_t at, const float *sums, struct tile_pass pass)
@@ -61,6 +80,12 @@ static void merge_pixel(struct film *f, size_t at, const float *sums, struct til
     for (int i = 0; i < FILM_CHANNELS; i++)
         replicate[i] += sums[i];
     f->spp[at] = pass.s_end;
+}
+
+static void merge_layers(double *to, const float *sums, uint32_t channels)
+{
+    for (uint32_t i = 0; i < channels; i++)
+        to[i] += (double)sums[i];
 }
 
 static bool key_before(struct film_key a, struct film_key b)
@@ -92,11 +117,18 @@ void film_merge(struct film *f, const struct film_samples *s)
     const struct tile_rect w = f->window, r = s->rect;
     assert(r.x_begin >= w.x_begin && r.x_end <= w.x_end);
     assert(r.y_begin >= w.y_begin && r.y_end <= w.y_end);
-    const size_t width = w.x_end - w.x_begin;
-    const float *sums = s->sums;
+    assert(s->layers == f->layers);
+    const size_t width = w.x_end - w.x_begin, channels = layers_channels(s->layers);
+    const float *sums = s->sums, *layer = s->layer_sums;
     for (uint32_t y = r.y_begin; y < r.y_end; y++)
-        for (uint32_t x = r.x_begin; x < r.x_end; x++, sums += FILM_CHANNELS)
-            merge_pixel(f, (y - w.y_begin) * width + (x - w.x_begin), sums, s->pass);
+        for (uint32_t x = r.x_begin; x < r.x_end; x++, sums += FILM_CHANNELS) {
+            const size_t at = (y - w.y_begin) * width + (x - w.x_begin);
+            merge_pixel(f, at, sums, s->pass);
+            if (!channels)
+                continue;
+            merge_layers(f->layer + at * channels, layer, (uint32_t)channels);
+            layer += channels;
+        }
     f->invalid_count += s->invalid_count;
     for (uint32_t i = 0; i < s->key_count; i++)
         keep_key(f, s->keys[i]);

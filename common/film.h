@@ -17,6 +17,7 @@
 
 #include "common/arena.h"
 #include "common/color.h"
+#include "common/layers.h"
 #include "common/tile.h"
 
 enum {
@@ -35,12 +36,15 @@ struct film_samples {
     struct tile_pass pass;
     float *sums; /* [row][column][replicate][rgb], rows of rect from the top; owned by the arena
                   * given to film_samples_make */
+    uint32_t layers;   /* layers.h; 0: none */
+    float *layer_sums; /* [row][column][layers_channels(layers)]; NULL for none. Finite */
     uint64_t invalid_count;               /* all of them */
     uint32_t key_count;                   /* min(invalid_count, FILM_MAX_KEYS) */
     struct film_key keys[FILM_MAX_KEYS];  /* the first ones in (y, x, sample) order */
 };
 
 struct film_samples film_samples_make(struct tile_rect, struct tile_pass, struct arena *);
+void film_samples_add_layers(struct film_samples *, uint32_t layers, struct arena *);
 void film_samples_note_invalid(struct film_samples *, struct film_key);
 
 struct film {
@@ -48,16 +52,20 @@ struct film {
     double *sum;             /* [row][column][rgb]: all samples */
     float *replicate;        /* [row][column][replicate][rgb] */
     uint32_t *spp;           /* [row][column]: samples merged, always the indices [0, spp) */
+    uint32_t layers;         /* layers.h; 0: none */
+    double *layer;           /* [row][column][layers_channels(layers)]: all samples; NULL for none */
     uint64_t invalid_count;
     uint32_t key_count;
     struct film_key keys[FILM_MAX_KEYS]; /* the first ones in (y, x, sample) order */
 };
 
 void film_init(struct film *, struct tile_rect window); /* heap; all zero */
+void film_add_layers(struct film *, uint32_t layers);   /* the same; once, before any sample */
 void film_release(struct film *);
-size_t film_bytes(const struct film *); /* memory of the three arrays */
+size_t film_bytes(const struct film *); /* memory of its arrays, by window and layers */
 
-/* Adds the samples. Every pixel of samples->rect holds [0, samples->pass.s_begin) so far. */
+/* Adds the samples, which have the film's layers. Every pixel of samples->rect holds [0,
+ * samples->pass.s_begin) so far. */
 void film_merge(struct film *, const struct film_samples *);
 
 /* How many samples of [0, spp) belong to replicate r. */

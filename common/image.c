@@ -1,56 +1,141 @@
 /* SPDX-License-Identifier: MIT */
 #include "common/image.h"
 
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "common/estimate.h"
 
-enum { CH_A, CH_B, CH_G, CH_R, CH_ERROR_B, CH_ERROR_G, CH_ERROR_R, CH_SAMPLES, CH_COUNT };
+enum { IMAGE_CHANNELS = 8, MOST_CHANNELS = IMAGE_CHANNELS + LAYERS_MAX_CHANNELS };
 
-/* In strcmp order, which is also the order OpenEXR stores channels in. */
-static const struct {
-    const char *name;
-    enum image_type type;
-} layout[] = {
-    [CH_A] = {"A", IMAGE_FLOAT32},
-    [CH_B] = {"B", IMAGE_FLOAT32},
-    [CH_G] = {"G", IMAGE_FLOAT32},
-    [CH_R] = {"R", IMAGE_FLOAT32},
-    [CH_ERROR_B] = {"error.B", IMAGE_FLOAT32},
-    [CH_ERROR_G] = {"error.G", IMAGE_FLOAT32},
-    [CH_ERROR_R] = {"error.R", IMAGE_FLOAT32},
-    [CH_SAMPLES] = {"samples", IMAGE_UINT32},
+/* Channels are added as they come and sorted in the end. */
+struct builder {
+    struct image *image;
+    struct arena *arena;
+    size_t pixels;
 };
-_Static_assert(countof(layout) == CH_COUNT, "one row per channel");
+
+static void *add_channel(struct builder *b, const char *name, enum image_type type)
+{
+    void *data = arena_new(b->arena, uint32_t, b->pixels);
+    assert(b->image->channel_count < MOST_CHANNELS);
+    b->image->channels[b->image->channel_count++] = (struct image_channel){name, type, data};
+    return data;
+}
+
+/* NAME.R, NAME.G, NAME.B or the like: names[i] is the last letter of the i-th. */
+static void add_three(struct builder *b, const char *name, const char letters[3], float *planes[3])
+{
+    for (int i = 0; i < 3; i++)
+        planes[i] = add_channel(
+            b, arena_printf(b->arena, "%s%s%c", name, *name ? "." : "", letters[i]), IMAGE_FLOAT32);
+}
+
+static void add_image(struct builder *b, const struct film *film)
+{
+    float *color[3], *error[3];
+    add_three(b, "", "RGB", color);
+    add_three(b, "error", "RGB", error);
+    float *alpha = add_channel(b, "A", IMAGE_FLOAT32);
+    for (size_t i = 0; i < b->pixels; i++) {
+        double mean[3], deviation[3];
+        film_mean(film, i, mean);
+        estimate_pixel(film, i, deviation);
+        alpha[i] = 1;
+        for (size_t c = 0; c < 3; c++) {
+            color[c][i] = (float)mean[c];
+            error[c][i] = (float)deviation[c];
+        }
+    }
+    memcpy(add_channel(b, "samples", IMAGE_UINT32), film->spp, b->pixels * sizeof *film->spp);
+}
+
+/* ---- layers ---- */
+
+static const double *layer_of(const struct film *f, size_t pixel)
+{
+    return f->layer + pixel * layers_channels(f->layers);
+}
+
+static double samples_of(const struct film *f, size_t pixel)
+{
+    return f->spp[pixel] ? f->spp[pixel] : 1;
+}
+
+/* Three channels from `at` on, as means over all samples. */
+static void add_means(struct builder *b, const struct film *f, const char *name,
+                      const char letters[3], uint32_t at)
+{
+    float *planes[3];
+    add_three(b, name, letters, planes);
+    for (size_t i = 0; i < b->pixels; i++)
+        for (uint32_t c = 0; c < 3; c++)
+            planes[c][i] = (float)(layer_of(f, i)[at + c] / samples_of(f, i));
+}
+
+/* Over those that met a surface: x / 0 would be no number. */
+static float mean_of_hits(const struct film *f, size_t pixel, uint32_t at)
+{
+    const double *layer = layer_of(f, pixel);
+    return layer[0] > 0 ? (float)(layer[at] / layer[0]) : INFINITY;
+}
+
+static void add_surface(struct builder *b, const struct film *f)
+{
+    const uint32_t layers = f->layers;
+    if (layers & LAYER_ALBEDO)
+        add_means(b, f, "albedo", "RGB", layers_at(layers, LAYER_ALBEDO));
+    if (layers & LAYER_NORMAL)
+        add_means(b, f, "normal", "XYZ", layers_at(layers, LAYER_NORMAL));
+    if (layers & LAYER_DEPTH) {
+        float *depth = add_channel(b, "Z", IMAGE_FLOAT32);
+        for (size_t i = 0; i < b->pixels; i++)
+            depth[i] = mean_of_hits(f, i, layers_at(layers, LAYER_DEPTH));
+    }
+    if (layers & LAYER_POSITION) {
+        float *planes[3];
+        add_three(b, "position", "XYZ", planes);
+        for (size_t i = 0; i < b->pixels; i++)
+            for (uint32_t c = 0; c < 3; c++)
+                planes[c][i] = mean_of_hits(f, i, layers_at(layers, LAYER_POSITION) + c);
+    }
+    if (layers & LAYER_MATERIAL) {
+        uint32_t *material = add_channel(b, "material", IMAGE_UINT32);
+        for (size_t i = 0; i < b->pixels; i++)
+            material[i] = (uint32_t)layer_of(f, i)[layers_at(layers, LAYER_MATERIAL)];
+    }
+}
+
+static void add_bounces(struct builder *b, const struct film *f)
+{
+    const uint32_t bounces = layers_bounces(f->layers), at = layers_bounces_at(f->layers);
+    for (uint32_t k = 0; k < bounces; k++)
+        add_means(b, f, arena_printf(b->arena, "bounce%u", k), "RGB", at + 3 * k);
+    if (bounces)
+        add_means(b, f, "rest", "RGB", at + 3 * bounces);
+}
+
+static int by_name(const void *a, const void *b)
+{
+    return strcmp(((const struct image_channel *)a)->name, ((const struct image_channel *)b)->name);
+}
 
 struct image image_from_film(const struct film *film, uint32_t width_px, uint32_t height_px,
                              struct arena *arena)
 {
-    const size_t pixels = tile_rect_pixels(film->window);
     struct image image = {
         .window = film->window,
         .width_px = width_px,
         .height_px = height_px,
-        .channels = arena_new(arena, struct image_channel, CH_COUNT),
-        .channel_count = CH_COUNT,
+        .channels = arena_new(arena, struct image_channel, MOST_CHANNELS),
     };
-    float *plane[CH_COUNT] = {0};
-    for (size_t c = 0; c < CH_COUNT; c++) {
-        void *data = arena_new(arena, uint32_t, pixels);
-        image.channels[c] = (struct image_channel){layout[c].name, layout[c].type, data};
-        plane[c] = data;
-    }
-    for (size_t i = 0; i < pixels; i++) {
-        double mean[3], error[3];
-        film_mean(film, i, mean);
-        estimate_pixel(film, i, error);
-        plane[CH_A][i] = 1;
-        for (size_t c = 0; c < 3; c++) {
-            plane[CH_R - c][i] = (float)mean[c];
-            plane[CH_ERROR_R - c][i] = (float)error[c];
-        }
-    }
-    memcpy(image.channels[CH_SAMPLES].pixels, film->spp, pixels * sizeof *film->spp);
+    struct builder b = {&image, arena, tile_rect_pixels(film->window)};
+    add_image(&b, film);
+    add_surface(&b, film);
+    add_bounces(&b, film);
+    qsort(image.channels, image.channel_count, sizeof *image.channels, by_name);
     return image;
 }
 
@@ -69,7 +154,8 @@ static void add_u32(struct hash *h, uint32_t v)
     hash_add(h, le, sizeof le);
 }
 
-_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "pixels are hashed as they lie in memory");
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
+               "pixels are hashed as they lie in memory");
 
 void image_digest(const struct image *image, char hex[HASH_HEX])
 {

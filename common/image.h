@@ -26,7 +26,16 @@ struct image {
 };
 
 /* R G B: mean radiance. A: 1. error.R error.G error.B: standard error of the mean (+infinity: not
- * known yet). samples: samples per pixel. Memory of the arena. */
+ * known yet). samples: samples per pixel. And of the film's layers (layers.h):
+ *
+ *     albedo.R .G .B      mean over all samples
+ *     normal.X .Y .Z      mean over all samples: shorter than 1 where surfaces meet
+ *     Z                   depth: mean over the samples that met something; +infinity when none did
+ *     position.X .Y .Z    the same mean; +infinity when none did
+ *     material            u32, 1 + the index of sample 0's material in the document; 0: nothing met
+ *     bounceK.R .G .B     light scattered K times, mean over all samples; rest.R .G .B: more often
+ *
+ * Memory of the arena. */
 struct image image_from_film(const struct film *, uint32_t width_px, uint32_t height_px,
                              struct arena *);
 

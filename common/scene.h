@@ -11,9 +11,10 @@
  *   double for sums over a whole image and for statistics.
  *
  * A scene is plain data: arrays and indices, no pointers between its objects. All
- * memory belongs to the arena given to scene_parse. Mesh assets are named, not
- * loaded: mesh_read (mesh.h) fills `struct mesh` in a second step, because the
- * coordinator checks documents and never opens a mesh.
+ * memory belongs to the arena given to scene_parse. Assets are named, not loaded:
+ * mesh_read (mesh.h) and image_asset_read (image_asset.h) fill `struct mesh` and
+ * `struct image_asset` in a second step, because the coordinator checks documents
+ * and never opens an asset.
  *
  * The document format is specified in docs/scene.md.
  * SPDX-License-Identifier: MIT */
@@ -34,9 +35,14 @@ enum {
     SCENE_MAX_SHAPES = 100000,
     SCENE_MAX_MATERIALS = 10000,
     SCENE_MAX_LIGHTS = 100000,          /* entries that are no shapes */
+    SCENE_MAX_TEXTURES = 4096,
+    SCENE_MAX_IMAGES = 4096,            /* image assets */
+    SCENE_MAX_IMAGE_SIDE_PX = 16384,    /* of one */
+    SCENE_MAX_IMAGE_PIXELS = 64 * 1024 * 1024,
     SCENE_MAX_TRIANGLES = 100000000,    /* of one mesh; prep.h bounds the whole scene */
     SCENE_MAX_NAME = 128,               /* bytes of a name or title */
     SCENE_MAX_BOUNCES = 10000,
+    SCENE_MAX_BLADES = 64,              /* of an aperture */
     SCENE_MAX_SPP = 1 << 24,
 };
 
@@ -48,18 +54,49 @@ struct scene_film {
     uint32_t crop_x_begin, crop_y_begin, crop_x_end, crop_y_end;
     enum filter_kind filter;
     float filter_radius_px; /* half width: box .5 is one pixel, tent 1 reaches the neighbours */
+    uint32_t layers;        /* layers.h; 0: the image alone */
 };
 
-struct scene_camera {       /* perspective, pinhole */
-    struct xform to_world;  /* rigid: columns right, up, back (-view), position */
-    float fov_y_rad;        /* full vertical opening angle of the whole frame, (0, pi) */
+enum camera_kind { CAMERA_PERSPECTIVE, CAMERA_THIN_LENS, CAMERA_ORTHOGRAPHIC, CAMERA_PANORAMIC };
+
+struct scene_camera {
+    enum camera_kind kind;
+    struct xform to_world; /* rigid: columns right, up, back (-view), position */
+    union {
+        struct {             /* PERSPECTIVE, THIN_LENS: */
+            float fov_y_rad; /* full vertical opening angle of the whole frame, (0, pi) */
+            /* THIN_LENS alone. What lies at the depth `focus` in front of the camera is sharp. */
+            float lens_radius; /* [0, focus] */
+            float focus;       /* > 0 */
+            uint32_t blades;   /* the aperture's corners, on its circle; 0: it is round */
+            float blades_turn; /* of the first corner, in turns from right towards up, [0, 1) */
+        };
+        struct {                 /* ORTHOGRAPHIC: what the whole frame shows, m. One of the two is */
+            float width, height; /* 0: it follows from the other and the film */
+        };
+    };
 };
 
-enum material_kind { MATERIAL_DIFFUSE, MATERIAL_MIRROR, MATERIAL_DIELECTRIC, MATERIAL_CONDUCTOR };
+enum material_kind {
+    MATERIAL_DIFFUSE,
+    MATERIAL_MIRROR,
+    MATERIAL_DIELECTRIC,
+    MATERIAL_CONDUCTOR,
+    /* From here on without a name in documents. */
+    MATERIAL_METAL, /* a "conductor" that asks for more than MATERIAL_CONDUCTOR has */
+};
+
+/* What shading with a material asks of the surface beside its place and its normal. */
+enum material_needs {
+    MATERIAL_NEEDS_UV = 1,      /* uv: a parameter is textured */
+    MATERIAL_NEEDS_TANGENT = 2, /* the x axis of the local frame along growing u */
+    MATERIAL_NEEDS_COLOR = 4,   /* the mesh's vertex colours */
+};
 
 struct material {
     const char *name;
     enum material_kind kind;
+    uint32_t needs; /* enum material_needs, or-ed */
     union {
         struct {
             rgb albedo; /* [0, 1] */
@@ -75,6 +112,49 @@ struct material {
             rgb eta, k;  /* complex index of refraction per channel, eta > 0, k >= 0 */
             float alpha; /* GGX width, [0, 1]; 0 is a perfect mirror with conductor Fresnel */
         } conductor;
+        struct {
+            rgb eta, k;              /* as a conductor's */
+            float alpha_x, alpha_y;  /* GGX width along the x axis of the local frame and across */
+            float turn_cos, turn_sin; /* of the angle by which these are turned about the normal */
+            bool multiscatter;       /* light that meets several facets is added */
+        } metal;
+    };
+};
+
+enum image_format { IMAGE_FORMAT_PNG, IMAGE_FORMAT_JPEG, IMAGE_FORMAT_EXR };
+enum image_depth { IMAGE_DEPTH_U8, IMAGE_DEPTH_U16, IMAGE_DEPTH_FLOAT };
+
+/* An image that textures or lights name; who names the same one shares it. */
+struct image_asset {
+    enum image_format format;
+    char asset[HASH_HEX]; /* SHA-256 of the bytes; "" when `file` is used */
+    const char *file;     /* NULL when `asset` is used; see struct mesh */
+    const char *where;    /* JSON pointer to the first object that names it */
+    /* Filled by image_asset_read. Whole numbers as they are in the file: u8 / 255, u16 / 65535,
+     * and what colour space that is says who uses them. Float: linear and finite, any sign. */
+    enum image_depth depth;
+    bool half;                    /* IMAGE_DEPTH_FLOAT: every value is one of 16 bits */
+    uint32_t width_px, height_px; /* >= 1 */
+    uint32_t channels;            /* 1 gray, 2 gray and alpha, 3 RGB, 4 RGB and alpha */
+    const void *pixels;           /* uint8_t, uint16_t or float [height][width][channels], rows
+                                   * from the top; alpha is not multiplied in */
+};
+
+enum texture_kind { TEXTURE_IMAGE };
+enum texture_space { TEXTURE_SRGB, TEXTURE_LINEAR }; /* of the whole numbers of an image */
+enum texture_wrap { TEXTURE_REPEAT, TEXTURE_CLAMP, TEXTURE_MIRROR };
+enum texture_filter { TEXTURE_TRILINEAR, TEXTURE_BILINEAR, TEXTURE_NEAREST };
+
+struct texture {
+    const char *name;
+    enum texture_kind kind;
+    union {
+        struct {
+            uint32_t image; /* index into scene.images */
+            enum texture_space space;
+            enum texture_wrap wrap;
+            enum texture_filter filter;
+        } image;
     };
 };
 
@@ -90,6 +170,15 @@ struct mesh {
     const float *vertices;   /* [vertex_count][3] */
     const uint32_t *indices; /* [triangle_count][3], each < vertex_count; counter-clockwise is front */
     uint32_t vertex_count, triangle_count;
+    /* NULL: it has none. Vertices that differ only in these have the same bits of position. */
+    const float *normals; /* [vertex_count][3], unit; 0, 0, 0: none here, its triangles are flat */
+    const float *uvs;     /* [vertex_count][2], uv origin bottom left */
+    const float *colors;  /* [vertex_count][3], linear */
+};
+
+enum mesh_normals {
+    MESH_NORMALS_GIVEN, /* the mesh's own; a mesh without them is flat */
+    MESH_NORMALS_FLAT,  /* its triangles' */
 };
 
 enum shape_kind { SHAPE_SPHERE, SHAPE_DISC, SHAPE_CYLINDER, SHAPE_QUAD, SHAPE_MESH };
@@ -116,6 +205,7 @@ struct shape {
         } quad;
         struct {
             uint32_t mesh; /* index into scene.meshes; shapes that name the same one share it */
+            enum mesh_normals normals;
         } mesh;
     };
 };
@@ -175,7 +265,9 @@ struct scene {
     struct shape *shapes;
     struct mesh *meshes;
     struct light *lights;
-    uint32_t material_count, shape_count, mesh_count, light_count;
+    struct texture *textures;
+    struct image_asset *images;
+    uint32_t material_count, shape_count, mesh_count, light_count, texture_count, image_count;
 };
 
 /* What is wrong with a document: all of it at once, in document order. */
@@ -192,8 +284,8 @@ struct scene_errors {
 };
 
 enum scene_source {
-    SCENE_FROM_DISK, /* meshes may name files */
-    SCENE_FROM_NET,  /* meshes name assets only */
+    SCENE_FROM_DISK, /* meshes and images may name files */
+    SCENE_FROM_NET,  /* they name assets only */
 };
 
 /* Text (need not be NUL-terminated) to a checked scene. False: `errors` is not empty
@@ -201,10 +293,15 @@ enum scene_source {
 bool scene_parse(struct scene *scene, const char *json, size_t bytes, enum scene_source source,
                  struct arena *arena, struct scene_errors *errors) MUST_CHECK;
 
-/* The same document with every mesh `file` replaced by its `asset` and `format`, as a coordinator
- * takes it. asset_hex[i] belongs to the i-th shape; only those of shapes with a file are looked at.
- * Returns JSON text in the arena. */
-const char *scene_name_assets(const char *json, size_t bytes,
-                              const char (*asset_hex)[HASH_HEX], struct arena *arena);
+/* The hash of each file that a document names, by what names it: shapes[i] is the i-th shape's.
+ * Only those of objects with a file are looked at, and a list without any may be NULL. */
+struct scene_hashes {
+    const char (*textures)[HASH_HEX], (*shapes)[HASH_HEX], (*lights)[HASH_HEX];
+};
+
+/* The same document with every `file` replaced by its `asset` and `format`, as a coordinator takes
+ * it. Returns JSON text in the arena. */
+const char *scene_name_assets(const char *json, size_t bytes, const struct scene_hashes *,
+                              struct arena *arena);
 
 #endif

@@ -1,4 +1,4 @@
-/* A document with its mesh files named by content, everything else byte for byte as written.
+/* A document with its files named by content, everything else byte for byte as written.
  *
  * Works on the text, since the JSON library would print every number anew. The text has passed
  * scene_parse, so this walk meets only well-formed JSON whose depth is bounded.
@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "common/buf.h"
+#include "common/image_asset.h"
 #include "common/mesh.h"
 
 struct walk { /* borrowed text; `at` is the next byte to look at */
@@ -123,73 +124,89 @@ static const char *ascii_of(struct piece s, struct arena *arena)
     return out;
 }
 
-struct shape_pieces {
-    bool is_mesh;
-    struct piece file_key, file; /* begin NULL: no file */
+struct file_pieces { /* begin NULL: the object names no file */
+    struct piece key, file;
 };
 
-static struct shape_pieces shape_scan(struct piece object, struct arena *arena)
+/* Only meshes and images have that key. */
+static struct file_pieces file_scan(struct piece object, struct arena *arena)
 {
-    struct shape_pieces s = {0};
+    struct file_pieces f = {0};
     struct walk w = {object.begin, object.end};
     struct piece key, value;
     enter(&w);
-    while (member_next(&w, &key, &value)) {
-        const char *name = ascii_of(key, arena);
-        if (!strcmp(name, "type"))
-            s.is_mesh = !strcmp(ascii_of(value, arena), "mesh");
-        if (!strcmp(name, "file")) {
-            s.file_key = key;
-            s.file = value;
-        }
-    }
-    return s;
+    while (member_next(&w, &key, &value))
+        if (!strcmp(ascii_of(key, arena), "file"))
+            f = (struct file_pieces){key, value};
+    return f;
 }
 
-/* The shapes of a document; false when it has none. */
-static bool shapes_find(struct walk whole, struct walk *shapes, struct arena *arena)
+static const char *format_name(const char *file)
 {
+    enum mesh_format mesh;
+    enum image_format image;
+    if (mesh_format_of(file, &mesh))
+        return mesh == MESH_OBJ ? "obj" : "ply";
+    const bool known = image_asset_format_of(file, &image);
+    assert(known);
+    return known ? image_asset_formats[image] : NULL;
+}
+
+struct copy { /* what has been written of a document, and from where on the rest is */
+    struct buf out;
+    const char *copied;
+};
+
+static void copy_until(struct copy *c, const char *end)
+{
+    buf_append(&c->out, c->copied, (size_t)(end - c->copied));
+    c->copied = end;
+}
+
+static void name_file(struct copy *c, const struct file_pieces *f, const char *hex,
+                      struct arena *arena)
+{
+    const char *text = arena_printf(arena, "\"asset\": \"%s\", \"format\": \"%s\"", hex,
+                                    format_name(ascii_of(f->file, arena)));
+    copy_until(c, f->key.begin);
+    buf_append(&c->out, text, strlen(text));
+    c->copied = f->file.end;
+}
+
+/* The items of an array, or the values of an object. */
+static void name_files(struct copy *c, struct piece list, const char (*hex)[HASH_HEX],
+                       struct arena *arena)
+{
+    struct walk w = {list.begin, list.end};
+    struct piece key, item;
+    const bool by_name = look(&w) == '{';
+    enter(&w);
+    for (size_t i = 0; by_name ? member_next(&w, &key, &item) : item_next(&w, &item); i++) {
+        const struct file_pieces f = file_scan(item, arena);
+        if (f.file.begin)
+            name_file(c, &f, hex[i], arena);
+    }
+}
+
+const char *scene_name_assets(const char *json, size_t bytes, const struct scene_hashes *hashes,
+                              struct arena *arena)
+{
+    const struct {
+        const char *key;
+        const char (*hex)[HASH_HEX];
+    } lists[] = {
+        {"textures", hashes->textures}, {"shapes", hashes->shapes}, {"lights", hashes->lights}};
+    struct walk whole = {json, json + bytes};
+    struct copy c = {.copied = json};
     struct piece key, value;
     enter(&whole);
     while (member_next(&whole, &key, &value))
-        if (!strcmp(ascii_of(key, arena), "shapes")) {
-            *shapes = (struct walk){value.begin, value.end};
-            return true;
-        }
-    return false;
-}
-
-static void name_append(struct buf *out, struct piece file, const char *hex, struct arena *arena)
-{
-    enum mesh_format format = MESH_INLINE;
-    const bool known = mesh_format_of(ascii_of(file, arena), &format);
-    assert(known);
-    const char *text = arena_printf(arena, "\"asset\": \"%s\", \"format\": \"%s\"", hex,
-                                    known && format == MESH_OBJ ? "obj" : "ply");
-    buf_append(out, text, strlen(text));
-}
-
-const char *scene_name_assets(const char *json, size_t bytes, const char (*asset_hex)[HASH_HEX],
-                              struct arena *arena)
-{
-    struct walk shapes;
-    struct buf out = {0};
-    const char *copied = json;
-    if (shapes_find((struct walk){json, json + bytes}, &shapes, arena)) {
-        struct piece item;
-        enter(&shapes);
-        for (size_t shape = 0; item_next(&shapes, &item); shape++) {
-            const struct shape_pieces s = shape_scan(item, arena);
-            if (s.is_mesh && s.file.begin) {
-                buf_append(&out, copied, (size_t)(s.file_key.begin - copied));
-                name_append(&out, s.file, asset_hex[shape], arena);
-                copied = s.file.end;
-            }
-        }
-    }
-    buf_append(&out, copied, (size_t)(json + bytes - copied));
-    buf_append(&out, "", 1);
-    const char *text = arena_strdup(arena, (const char *)out.data);
-    buf_release(&out);
+        for (size_t i = 0; i < countof(lists); i++)
+            if (!strcmp(ascii_of(key, arena), lists[i].key))
+                name_files(&c, value, lists[i].hex, arena);
+    copy_until(&c, json + bytes);
+    buf_append(&c.out, "", 1);
+    const char *text = arena_strdup(arena, (const char *)c.out.data);
+    buf_release(&c.out);
     return text;
 }

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "common/image_asset.h"
 #include "common/mesh.h"
 
 enum { MAX_ERRORS = 100 };
@@ -49,22 +50,37 @@ bool scene_disk_open(struct scene_disk *d, const char *path, struct arena *arena
     buf_release(&bytes);
     if (!scene_parse(&d->scene, d->json, d->json_bytes, SCENE_FROM_DISK, arena, errors))
         return false;
-    d->assets = arena_new(arena, struct scene_disk_asset, d->scene.mesh_count);
-    for (uint32_t i = 0; i < d->scene.mesh_count; i++)
-        if (d->scene.meshes[i].file)
-            d->assets[i].path = beside(path, d->scene.meshes[i].file, arena);
+    const uint32_t meshes = d->scene.mesh_count;
+    d->asset_count = meshes + d->scene.image_count;
+    d->assets = arena_new(arena, struct scene_disk_asset, d->asset_count);
+    for (uint32_t i = 0; i < d->asset_count; i++) {
+        const char *file = i < meshes ? d->scene.meshes[i].file : d->scene.images[i - meshes].file;
+        if (file)
+            d->assets[i].path = beside(path, file, arena);
+    }
     return true;
 }
 
-static const char *pointer_of(const struct scene *scene, uint32_t mesh, struct arena *arena)
+static const char *pointer_of(const struct scene *scene, uint32_t asset, struct arena *arena)
 {
+    if (asset >= scene->mesh_count)
+        return scene->images[asset - scene->mesh_count].where;
     for (uint32_t i = 0; i < scene->shape_count; i++)
-        if (scene->shapes[i].kind == SHAPE_MESH && scene->shapes[i].mesh.mesh == mesh)
+        if (scene->shapes[i].kind == SHAPE_MESH && scene->shapes[i].mesh.mesh == asset)
             return arena_printf(arena, "/shapes/%u", i);
     return "";
 }
 
-static bool load_mesh(struct scene_disk *d, uint32_t i, struct arena *arena, struct err *err)
+static bool read_asset(struct scene *scene, uint32_t i, const struct buf *bytes,
+                       struct arena *arena, struct err *err)
+{
+    if (i < scene->mesh_count)
+        return mesh_read(&scene->meshes[i], bytes->data, bytes->size, arena, err);
+    return image_asset_read(&scene->images[i - scene->mesh_count], bytes->data, bytes->size, arena,
+                            err);
+}
+
+static bool load_asset(struct scene_disk *d, uint32_t i, struct arena *arena, struct err *err)
 {
     struct scene_disk_asset *asset = &d->assets[i];
     struct buf bytes = {0};
@@ -72,8 +88,7 @@ static bool load_mesh(struct scene_disk *d, uint32_t i, struct arena *arena, str
     if (good) {
         asset->bytes = bytes.size;
         hash_hex(bytes.data, bytes.size, asset->hex);
-        good = mesh_read(&d->scene.meshes[i], bytes.data, bytes.size, arena, err) ||
-               err_at(err, "%s", asset->path);
+        good = read_asset(&d->scene, i, &bytes, arena, err) || err_at(err, "%s", asset->path);
     }
     buf_release(&bytes);
     return good;
@@ -85,28 +100,42 @@ bool scene_disk_load(struct scene_disk *d, struct arena *arena, uint32_t *unread
     struct err err;
     *unread = 0;
     *errors = (struct scene_errors){0};
-    for (uint32_t i = 0; i < d->scene.mesh_count; i++) {
-        if (d->scene.meshes[i].format == MESH_INLINE)
+    for (uint32_t i = 0; i < d->asset_count; i++) {
+        if (i < d->scene.mesh_count && d->scene.meshes[i].format == MESH_INLINE)
             continue;
         if (!d->assets[i].path)
             ++*unread;
-        else if (!load_mesh(d, i, arena, &err))
+        else if (!load_asset(d, i, arena, &err))
             fail(errors, arena, err.code, pointer_of(&d->scene, i, arena), err.text);
     }
     return !errors->count;
 }
 
+typedef char hex_name[HASH_HEX];
+
+static hex_name *hex_names(size_t count, struct arena *arena)
+{
+    return (hex_name *)arena_alloc(arena, count, HASH_HEX, 1);
+}
+
 const char *scene_disk_send(const struct scene_disk *d, struct arena *arena)
 {
+    const struct scene *scene = &d->scene;
     bool any = false;
-    for (uint32_t i = 0; i < d->scene.mesh_count; i++)
+    for (uint32_t i = 0; i < d->asset_count; i++)
         any |= d->assets[i].path != NULL;
     if (!any)
         return d->json;
-    const struct scene *scene = &d->scene;
-    char(*hex)[HASH_HEX] = (char(*)[HASH_HEX])arena_alloc(arena, scene->shape_count, HASH_HEX, 1);
+    hex_name *shapes = hex_names(scene->shape_count, arena);
     for (uint32_t i = 0; i < scene->shape_count; i++)
         if (scene->shapes[i].kind == SHAPE_MESH)
-            memcpy(hex[i], d->assets[scene->shapes[i].mesh.mesh].hex, HASH_HEX);
-    return scene_name_assets(d->json, d->json_bytes, (const char(*)[HASH_HEX])hex, arena);
+            memcpy(shapes[i], d->assets[scene->shapes[i].mesh.mesh].hex, HASH_HEX);
+    const struct scene_disk_asset *images = d->assets + scene->mesh_count;
+    hex_name *textures = hex_names(scene->texture_count, arena);
+    for (uint32_t i = 0; i < scene->texture_count; i++)
+        if (scene->textures[i].kind == TEXTURE_IMAGE)
+            memcpy(textures[i], images[scene->textures[i].image.image].hex, HASH_HEX);
+    const struct scene_hashes hashes = {.textures = (const hex_name *)textures,
+                                        .shapes = (const hex_name *)shapes};
+    return scene_name_assets(d->json, d->json_bytes, &hashes, arena);
 }

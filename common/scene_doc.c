@@ -194,6 +194,11 @@ bool scene_doc_expected(struct scene_doc *doc, const struct scene_at *at, enum e
     return scene_doc_fault(doc, at, code, "expected %s, got %s", expected, got);
 }
 
+const char *scene_doc_pointer(struct scene_doc *doc, const struct scene_at *at)
+{
+    return pointer_print(at, doc->arena);
+}
+
 void scene_doc_report(const struct scene_doc *doc, struct scene_errors *errors)
 {
     errors->count = doc->kept;

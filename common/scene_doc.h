@@ -62,6 +62,8 @@ bool scene_doc_listed(const struct scene_doc *, const struct scene_at *);
 /* "expected EXPECTED, got (the value, cut when long)"; always returns false. */
 bool scene_doc_expected(struct scene_doc *, const struct scene_at *, enum err_code,
                         const char *expected);
+/* The place as a JSON pointer, in the document's arena. */
+const char *scene_doc_pointer(struct scene_doc *, const struct scene_at *);
 /* A string of the document for a message: in quotes, cut when long, harmless on a terminal. */
 enum { SCENE_QUOTE_BYTES = 320 };
 void scene_doc_quote(const char *, char out[SCENE_QUOTE_BYTES]);

@@ -2,9 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "common/scene_param.h"
 #include "common/scene_read.h"
-
-#include <stdlib.h>
-#include <string.h>
+#include "common/scene_specular.h"
 
 static const struct scene_range fraction = {0, 1, false};
 
@@ -32,37 +30,16 @@ static void read_dielectric(const struct scene_params *p, struct material *m)
     scene_param_number(p, "alpha", fraction, &m->dielectric.alpha);
 }
 
-static void read_conductor(const struct scene_params *p, struct material *m)
-{
-    static const struct scene_key keys[] = {
-        {"type", true}, {"eta", true}, {"k", true}, {"alpha", true}};
-    scene_params_of(p, "a conductor material", keys, countof(keys));
-    scene_param_rgb(p, "eta", (struct scene_range){1e-3, 100, false}, &m->conductor.eta);
-    scene_param_rgb(p, "k", (struct scene_range){0, 100, false}, &m->conductor.k);
-    scene_param_number(p, "alpha", fraction, &m->conductor.alpha);
-}
-
 static const char *const material_names[] = {
     [MATERIAL_DIFFUSE] = "diffuse",
     [MATERIAL_MIRROR] = "mirror",
     [MATERIAL_DIELECTRIC] = "dielectric",
     [MATERIAL_CONDUCTOR] = "conductor",
 };
+_Static_assert(countof(material_names) == MATERIAL_METAL, "kinds that have no name come last");
 
 static void read_material(struct scene_doc *doc, const struct scene_at *at, struct material *m)
 {
-    m->name = arena_strdup(doc->arena, at->key);
-    const size_t length = strlen(at->key);
-    if (length < 1 || length > SCENE_MAX_NAME)
-        scene_doc_fault(doc, at, length ? ERR_LIMIT : ERR_INPUT,
-                        "expected a material name of 1 to %d bytes, got %zu", SCENE_MAX_NAME,
-                        length);
-    for (const char *c = at->key; *c; c++)
-        if ((unsigned char)*c < 0x20 || *c == 0x7f) {
-            scene_doc_fault(doc, at, ERR_INPUT,
-                            "expected a material name without control characters");
-            break;
-        }
     size_t kind;
     if (!scene_doc_kind(doc, at, "a material", material_names, countof(material_names), &kind))
         return;
@@ -79,39 +56,26 @@ static void read_material(struct scene_doc *doc, const struct scene_at *at, stru
         read_dielectric(&p, m);
         return;
     case MATERIAL_CONDUCTOR:
-        read_conductor(&p, m);
+        scene_specular_conductor(&p, m);
         return;
+    case MATERIAL_METAL:
+        break;
     }
-}
-
-static int name_compare(const void *a, const void *b)
-{
-    return strcmp(((const struct scene_name *)a)->name, ((const struct scene_name *)b)->name);
 }
 
 struct scene_names scene_read_materials(struct scene_doc *doc, const struct scene_at *at,
                                         struct scene *scene)
 {
-    if (scene_at_type(at) != SCENE_OBJECT) {
-        scene_doc_expected(doc, at, ERR_INPUT, "an object of materials by name");
-        return (struct scene_names){0};
-    }
-    const size_t count = scene_at_count(at);
-    if (count > SCENE_MAX_MATERIALS) {
-        scene_doc_fault(doc, at, ERR_LIMIT, "expected at most %d materials, got %zu",
-                        SCENE_MAX_MATERIALS, count);
-        return (struct scene_names){0};
-    }
-    scene->materials = arena_new(doc->arena, struct material, count);
-    scene->material_count = (uint32_t)count;
-    struct scene_names names = {.sorted = arena_new(doc->arena, struct scene_name, count),
-                                .count = (uint32_t)count,
-                                .known = true};
+    struct scene_names names = {.one = "material"};
+    if (!scene_names_open(doc, at, SCENE_MAX_MATERIALS, &names))
+        return names;
+    scene->materials = arena_new(doc->arena, struct material, names.count);
+    scene->material_count = names.count;
     struct scene_at member = {0};
     for (uint32_t i = 0; scene_at_next(at, &member); i++) {
+        scene->materials[i].name = scene_names_take(doc, &member, &names, i);
         read_material(doc, &member, &scene->materials[i]);
-        names.sorted[i] = (struct scene_name){scene->materials[i].name, i};
     }
-    qsort(names.sorted, count, sizeof *names.sorted, name_compare);
+    scene_names_close(&names);
     return names;
 }

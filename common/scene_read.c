@@ -1,10 +1,9 @@
-/* The document as a whole: film, camera, settings; the rest in files of their own.
+/* The document as a whole: film, settings; the rest in files of their own.
  * SPDX-License-Identifier: MIT */
 #include "common/scene_read.h"
 
+#include "common/layers.h"
 #include "common/scene_check.h"
-
-static const struct scene_range coordinate = {-SCENE_MAX_ABS, SCENE_MAX_ABS, false};
 
 static void read_filter(struct scene_doc *doc, const struct scene_at *at, struct scene_film *film)
 {
@@ -50,10 +49,35 @@ static void read_crop(struct scene_doc *doc, const struct scene_at *at, bool siz
     }
 }
 
+/* The set that "layers" and "bounces" ask for. */
+static uint32_t read_layers(struct scene_doc *doc, const struct scene_at *film)
+{
+    static const char *const names[] = {"albedo", "normal", "depth", "position", "material"};
+    struct scene_at at;
+    uint64_t bounces = 0;
+    uint32_t set = 0;
+    if (scene_at_member(film, "layers", &at) &&
+        scene_doc_array(doc, &at, "layers", 0, countof(names)))
+        for (size_t i = 0; i < scene_at_count(&at); i++) {
+            const struct scene_at item = scene_at_item(&at, i);
+            size_t layer;
+            if (!scene_doc_choice(doc, &item, names, countof(names), &layer))
+                continue;
+            if (set >> layer & 1)
+                scene_doc_fault(doc, &item, ERR_INPUT, "the layer \"%s\" is there already",
+                                names[layer]);
+            set |= 1u << layer;
+        }
+    if (scene_key_integer(doc, film, "bounces", (struct scene_range){0, LAYERS_MAX_BOUNCES, true},
+                          &bounces))
+        return layers_make(set, (uint32_t)bounces);
+    return set;
+}
+
 static void read_film(struct scene_doc *doc, const struct scene_at *at, struct scene_film *film)
 {
-    static const struct scene_key keys[] = {
-        {"width", true}, {"height", true}, {"filter", false}, {"crop", false}};
+    static const struct scene_key keys[] = {{"width", true}, {"height", true},  {"filter", false},
+                                            {"crop", false}, {"layers", false}, {"bounces", false}};
     static const struct scene_range side = {1, SCENE_MAX_SIDE_PX, true};
     uint64_t width = 0, height = 0;
     scene_doc_object(doc, at, "the film", keys, countof(keys));
@@ -66,6 +90,7 @@ static void read_film(struct scene_doc *doc, const struct scene_at *at, struct s
                                 .crop_y_end = (uint32_t)height,
                                 .filter = FILTER_BOX,
                                 .filter_radius_px = .5f};
+    film->layers = read_layers(doc, at);
     struct scene_at member;
     if (scene_at_member(at, "filter", &member))
         read_filter(doc, &member, film);
@@ -74,65 +99,6 @@ static void read_film(struct scene_doc *doc, const struct scene_at *at, struct s
     struct err err;
     if (size_known && !scene_check_pixels(film, &err))
         scene_doc_fault(doc, at, err.code, "%s", err.text);
-}
-
-static bool read_look_at(struct scene_doc *doc, const struct scene_at *at, struct scene_xform *x)
-{
-    static const struct scene_key keys[] = {{"from", true}, {"to", true}, {"up", false}};
-    double from[3], to[3], up[3] = {0, 1, 0};
-    bool good = scene_doc_object(doc, at, "look_at", keys, countof(keys));
-    good &= scene_key_numbers(doc, at, "from", coordinate, from, 3);
-    good &= scene_key_numbers(doc, at, "to", coordinate, to, 3);
-    good &= scene_key_numbers(doc, at, "up", coordinate, up, 3);
-    if (!good)
-        return false;
-    if (from[0] == to[0] && from[1] == to[1] && from[2] == to[2])
-        return scene_doc_fault(doc, at, ERR_INPUT,
-                               "expected two different points, \"from\" and \"to\" are both "
-                               "[%g, %g, %g]",
-                               to[0], to[1], to[2]);
-    if (scene_length(up) == 0)
-        return scene_doc_fault(doc, at, ERR_INPUT, "expected an \"up\" with a length, got 0");
-    if (!scene_xform_look_at(x, from, to, up))
-        return scene_doc_fault(doc, at, ERR_INPUT,
-                               "expected an \"up\" that is not along the view, got [%g, %g, %g]",
-                               up[0], up[1], up[2]);
-    return true;
-}
-
-static bool read_camera_matrix(struct scene_doc *doc, const struct scene_at *at,
-                               struct scene_xform *x)
-{
-    struct err err;
-    if (!scene_read_matrix(doc, at, x))
-        return false;
-    return scene_check_rigid(x, &err) || scene_doc_fault(doc, at, err.code, "%s", err.text);
-}
-
-static void read_camera(struct scene_doc *doc, const struct scene_at *at, struct scene_camera *out)
-{
-    static const char *const kinds[] = {"perspective"};
-    static const struct scene_key keys[] = {
-        {"type", true}, {"fov_deg", true}, {"look_at", false}, {"matrix", false}};
-    size_t kind;
-    if (!scene_doc_kind(doc, at, "the camera", kinds, countof(kinds), &kind))
-        return;
-    double fov_deg = 0;
-    struct scene_xform x = scene_xform_identity();
-    struct scene_at look_at, matrix;
-    scene_doc_object(doc, at, "the camera", keys, countof(keys));
-    scene_key_number(doc, at, "fov_deg", (struct scene_range){.001, 179.9, false}, &fov_deg);
-    const bool has_look_at = scene_at_member(at, "look_at", &look_at);
-    const bool has_matrix = scene_at_member(at, "matrix", &matrix);
-    if (has_look_at == has_matrix)
-        scene_doc_fault(doc, at, ERR_INPUT, "the camera needs \"look_at\" or \"matrix\", got %s",
-                        has_matrix ? "both" : "neither");
-    else if (has_look_at)
-        read_look_at(doc, &look_at, &x);
-    else
-        read_camera_matrix(doc, &matrix, &x);
-    out->to_world = scene_xform_round(&x);
-    out->fov_y_rad = (float)(fov_deg * (3.14159265358979323846 / 180));
 }
 
 static void read_target(struct scene_doc *doc, const struct scene_at *at, struct scene_target *out)
@@ -186,8 +152,9 @@ static void read_version(struct scene_doc *doc, const struct scene_at *whole)
 void scene_read(struct scene_doc *doc, const struct scene_at *whole, struct scene *scene)
 {
     static const struct scene_key keys[] = {
-        {"smalti", true},    {"title", false}, {"film", true},    {"camera", true},
-        {"materials", true}, {"shapes", true}, {"lights", false}, {"settings", false}};
+        {"smalti", true}, {"title", false},    {"film", true},
+        {"camera", true}, {"textures", false}, {"materials", true},
+        {"shapes", true}, {"lights", false},   {"settings", false}};
     scene->title = "";
     scene->settings = (struct scene_settings){
         .integrator = INTEGRATOR_PATH, .max_bounces = 64, .target = {.spp = 64}};
@@ -200,7 +167,9 @@ void scene_read(struct scene_doc *doc, const struct scene_at *whole, struct scen
     if (scene_at_member(whole, "film", &at))
         read_film(doc, &at, &scene->film);
     if (scene_at_member(whole, "camera", &at))
-        read_camera(doc, &at, &scene->camera);
+        scene_read_camera(doc, &at, &scene->camera);
+    if (scene_at_member(whole, "textures", &at))
+        scene_read_textures(doc, &at, scene);
     if (scene_at_member(whole, "materials", &at))
         names = scene_read_materials(doc, &at, scene);
     if (scene_at_member(whole, "shapes", &at))

@@ -7,26 +7,23 @@
 #define COMMON_SCENE_READ_H
 
 #include "common/scene_doc.h"
-
-struct scene_name { /* of a material */
-    const char *name;
-    uint32_t index;
-};
-
-struct scene_names {
-    struct scene_name *sorted; /* by name, in the document's arena */
-    uint32_t count;
-    bool known; /* false: the document's materials are no object, so nobody can say what dangles */
-};
+#include "common/scene_names.h"
 
 void scene_read(struct scene_doc *, const struct scene_at *whole, struct scene *);
 
+struct scene_names scene_read_textures(struct scene_doc *, const struct scene_at *, struct scene *);
 struct scene_names scene_read_materials(struct scene_doc *, const struct scene_at *,
                                         struct scene *);
 void scene_read_shapes(struct scene_doc *, const struct scene_at *, const struct scene_names *,
                        struct scene *);
+void scene_read_camera(struct scene_doc *, const struct scene_at *, struct scene_camera *);
 void scene_read_lights(struct scene_doc *, const struct scene_at *, struct scene *);
 void scene_read_mesh(struct scene_doc *, const struct scene_at *shape, struct mesh *);
+
+/* The image that an object names by "file", or by "asset" and "format", which are among its keys;
+ * `what` names it in messages: "an image texture". */
+bool scene_read_image(struct scene_doc *, const struct scene_at *, const char *what, struct scene *,
+                      uint32_t *image);
 
 /* scene_xform.h's map from a list of steps or a matrix. */
 struct scene_xform;

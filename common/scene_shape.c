@@ -256,62 +256,6 @@ static void check_mesh_world(struct scene_doc *doc, const struct scene_at *at,
     }
 }
 
-static void unknown_material(struct scene_doc *doc, const struct scene_at *at,
-                             const struct scene_names *names)
-{
-    enum { SCANNED = 200, LISTED = 8 }; /* to scan all for all could cost minutes */
-    if (!scene_doc_listed(doc, at)) {
-        scene_doc_fault(doc, at, ERR_INPUT, "no such material");
-        return;
-    }
-    const char *some[SCANNED];
-    const size_t count = names->count < SCANNED ? names->count : SCANNED;
-    for (size_t i = 0; i < count; i++)
-        some[i] = names->sorted[i].name;
-    char got[SCENE_QUOTE_BYTES], known[SCENE_QUOTE_BYTES];
-    const char *meant = scene_suggest(scene_at_string(at), some, count);
-    scene_doc_quote(scene_at_string(at), got);
-    if (meant) {
-        scene_doc_quote(meant, known);
-        scene_doc_fault(doc, at, ERR_INPUT, "no material is named %s, did you mean %s?", got,
-                        known);
-        return;
-    }
-    char list[LISTED * SCENE_QUOTE_BYTES] = "";
-    size_t n = 0;
-    for (size_t i = 0; i < count && i < LISTED; i++) {
-        scene_doc_quote(some[i], known);
-        n += (size_t)snprintf(list + n, sizeof list - n, "%s%s", i ? ", " : "", known);
-    }
-    scene_doc_fault(doc, at, ERR_INPUT, "no material is named %s, the document has %s%s", got,
-                    count ? list : "none", names->count > LISTED ? " ..." : "");
-}
-
-static void read_material_name(struct scene_doc *doc, const struct scene_at *at,
-                               const struct scene_names *names, struct shape *s)
-{
-    if (scene_at_type(at) != SCENE_STRING) {
-        scene_doc_expected(doc, at, ERR_INPUT, "the name of a material");
-        return;
-    }
-    const char *name = scene_at_string(at);
-    size_t begin = 0, end = names->count;
-    while (begin < end) {
-        const size_t middle = begin + (end - begin) / 2;
-        const int order = strcmp(name, names->sorted[middle].name);
-        if (order == 0) {
-            s->material = names->sorted[middle].index;
-            return;
-        }
-        if (order < 0)
-            end = middle;
-        else
-            begin = middle + 1;
-    }
-    if (names->known)
-        unknown_material(doc, at, names);
-}
-
 static const char *const shape_names[] = {[SHAPE_SPHERE] = "sphere",
                                           [SHAPE_DISC] = "disc",
                                           [SHAPE_CYLINDER] = "cylinder",
@@ -327,7 +271,7 @@ static void read_shape(struct scene_doc *doc, const struct scene_at *at,
     s->kind = (enum shape_kind)kind;
     struct scene_at member;
     if (scene_at_member(at, "material", &member))
-        read_material_name(doc, &member, names, s);
+        scene_names_find(doc, &member, names, &s->material);
     scene_key_rgb(doc, at, "emission", (struct scene_range){0, SCENE_MAX_ABS, false}, &s->emission);
     struct scene_xform x = scene_xform_identity();
     const bool placed =
@@ -373,8 +317,8 @@ static int naming_order(const void *a, const void *b)
     return x->mesh < y->mesh ? -1 : 1;
 }
 
-/* One mesh for each name: it is read once, and can be prepared as one. They stay in the order in which
- * they are first named. (No asset is named like a file, which ends in .ply or .obj.) */
+/* One mesh for each name: it is read once, and can be prepared as one. They stay in the order in
+ * which they are first named. (No asset is named like a file, which ends in .ply or .obj.) */
 static void unite_meshes(struct scene *scene, struct arena *arena)
 {
     struct naming *by_name = arena_new(arena, struct naming, scene->mesh_count);

@@ -11,7 +11,8 @@ enum { TYPE_SAMPLES = 1, FLAG_DEFLATED = 1, PROBE_BYTES = 4096 };
 
 static const char magic[4] = {'S', 'M', 'L', 'T'};
 
-_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "floats are copied as they lie in memory");
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
+               "floats are copied as they lie in memory");
 
 static void write_body(const struct wire_samples *w, struct buf *out)
 {
@@ -29,12 +30,17 @@ static void write_body(const struct wire_samples *w, struct buf *out)
     buf_u64(out, w->cpu_us);
     buf_u64(out, s->invalid_count);
     buf_u32(out, s->key_count);
+    if (s->layers)
+        buf_u32(out, s->layers);
     for (uint32_t i = 0; i < s->key_count; i++) {
         buf_u32(out, s->keys[i].x_px);
         buf_u32(out, s->keys[i].y_px);
         buf_u32(out, s->keys[i].sample);
     }
-    buf_append(out, s->sums, (size_t)tile_rect_pixels(s->rect) * FILM_CHANNELS * sizeof *s->sums);
+    const size_t pixels = tile_rect_pixels(s->rect);
+    buf_append(out, s->sums, pixels * FILM_CHANNELS * sizeof *s->sums);
+    if (s->layers)
+        buf_append(out, s->layer_sums, pixels * layers_channels(s->layers) * sizeof *s->layer_sums);
 }
 
 static size_t deflate_into(unsigned char *out, size_t room, const unsigned char *data, size_t bytes)
@@ -65,7 +71,7 @@ void wire_encode(const struct wire_samples *w, struct buf *out)
             body = &packed;
     }
     buf_append(out, magic, sizeof magic);
-    buf_u32(out, WIRE_VERSION | TYPE_SAMPLES << 16);
+    buf_u32(out, (w->samples.layers ? WIRE_VERSION_LAYERS : WIRE_VERSION) | TYPE_SAMPLES << 16);
     buf_u32(out, body == &packed ? FLAG_DEFLATED : 0);
     buf_u64(out, raw.size);
     buf_u64(out, body->size);
@@ -75,8 +81,13 @@ void wire_encode(const struct wire_samples *w, struct buf *out)
     buf_release(&packed);
 }
 
+struct frame {
+    uint32_t version;
+    size_t body_bytes;
+};
+
 /* The body, inflated when need be; NULL with `err` set when the frame is wrong. */
-static const unsigned char *open_frame(const void *data, size_t bytes, size_t *body_bytes,
+static const unsigned char *open_frame(const void *data, size_t bytes, struct frame *frame,
                                        struct arena *arena, struct err *err)
 {
     struct buf_reader r = buf_reader_make(data, bytes);
@@ -86,14 +97,17 @@ static const unsigned char *open_frame(const void *data, size_t bytes, size_t *b
     const uint32_t crc = buf_read_u32(&r);
     const size_t rest = (size_t)(r.end - r.at);
     bool ok = false;
+    frame->version = kind & 0xffff;
     if (r.failed || bytes > WIRE_MAX_BYTES)
         err_set(err, ERR_PROTOCOL, "payload of %zu bytes: expected %d to %d", bytes,
                 WIRE_HEADER_BYTES, WIRE_MAX_BYTES);
     else if (memcmp(word, magic, sizeof magic) != 0)
         err_set(err, ERR_PROTOCOL, "payload does not begin with SMLT");
-    else if (kind != (WIRE_VERSION | TYPE_SAMPLES << 16))
-        err_set(err, ERR_PROTOCOL, "payload version %u, type %u: expected version %d, type %d",
-                kind & 0xffff, kind >> 16, WIRE_VERSION, TYPE_SAMPLES);
+    else if (kind >> 16 != TYPE_SAMPLES ||
+             (frame->version != WIRE_VERSION && frame->version != WIRE_VERSION_LAYERS))
+        err_set(err, ERR_PROTOCOL,
+                "payload version %u, type %u: expected version %d or %d, type %d", frame->version,
+                kind >> 16, WIRE_VERSION, WIRE_VERSION_LAYERS, TYPE_SAMPLES);
     else if (flags & ~(uint32_t)FLAG_DEFLATED)
         err_set(err, ERR_PROTOCOL, "payload flags 0x%x: expected 0 or 1", flags);
     else if (sent != rest || raw > WIRE_MAX_BYTES - WIRE_HEADER_BYTES ||
@@ -106,7 +120,7 @@ static const unsigned char *open_frame(const void *data, size_t bytes, size_t *b
     if (!ok)
         return NULL;
 
-    *body_bytes = (size_t)raw;
+    frame->body_bytes = (size_t)raw;
     if (!(flags & FLAG_DEFLATED))
         return r.at;
     unsigned char *body = arena_new(arena, unsigned char, (size_t)raw);
@@ -125,7 +139,7 @@ static bool rect_is_sane(struct tile_rect r)
            r.y_end - r.y_begin <= TILE_MAX_PX;
 }
 
-static void read_fixed(struct buf_reader *r, struct wire_samples *w)
+static void read_fixed(struct buf_reader *r, uint32_t version, struct wire_samples *w)
 {
     struct film_samples *s = &w->samples;
     w->job = buf_read_u64(r);
@@ -141,16 +155,20 @@ static void read_fixed(struct buf_reader *r, struct wire_samples *w)
     w->cpu_us = buf_read_u64(r);
     s->invalid_count = buf_read_u64(r);
     s->key_count = buf_read_u32(r);
+    s->layers = version == WIRE_VERSION_LAYERS ? buf_read_u32(r) : 0;
 }
 
-static bool check_fixed(const struct film_samples *s, struct err *err)
+static bool check_fixed(const struct film_samples *s, uint32_t version, struct err *err)
 {
+    if (!layers_are_known(s->layers) || (version == WIRE_VERSION_LAYERS && !s->layers))
+        return err_set(err, ERR_PROTOCOL, "payload layers 0x%x: expected a set of layers",
+                       s->layers);
     if (!rect_is_sane(s->rect))
         return err_set(err, ERR_PROTOCOL, "payload rectangle is empty or larger than %d px",
                        TILE_MAX_PX);
     if (s->pass.s_begin >= s->pass.s_end)
-        return err_set(err, ERR_PROTOCOL, "payload sample range [%u, %u) is empty",
-                       s->pass.s_begin, s->pass.s_end);
+        return err_set(err, ERR_PROTOCOL, "payload sample range [%u, %u) is empty", s->pass.s_begin,
+                       s->pass.s_end);
     const uint64_t samples =
         (uint64_t)tile_rect_pixels(s->rect) * (s->pass.s_end - s->pass.s_begin);
     if (s->invalid_count > samples || s->key_count > FILM_MAX_KEYS ||
@@ -179,31 +197,53 @@ static bool read_keys(struct buf_reader *r, struct film_samples *s, struct err *
     return true;
 }
 
+/* Floats as they lie in the message; *out is memory of the arena. */
+static bool read_floats(struct buf_reader *r, size_t count, struct arena *arena, float **out)
+{
+    const void *data = buf_read(r, count * sizeof(float));
+    if (r->failed)
+        return false;
+    *out = arena_new(arena, float, count);
+    memcpy(*out, data, count * sizeof(float));
+    return true;
+}
+
+static bool read_sums(struct buf_reader *r, struct film_samples *s, struct arena *arena,
+                      struct err *err)
+{
+    const size_t pixels = tile_rect_pixels(s->rect), rest = (size_t)(r->end - r->at);
+    const size_t count = pixels * FILM_CHANNELS, layers = pixels * layers_channels(s->layers);
+    if (r->failed || rest != (count + layers) * sizeof(float))
+        return err_set(err, ERR_PROTOCOL, "payload sums: %zu bytes, expected %zu", rest,
+                       (count + layers) * sizeof(float));
+    if (!read_floats(r, count, arena, &s->sums))
+        return err_set(err, ERR_PROTOCOL, "payload sums are cut short");
+    for (size_t i = 0; i < count; i++)
+        if (!(isfinite(s->sums[i]) && s->sums[i] >= 0))
+            return err_set(err, ERR_PROTOCOL, "payload sum %zu is negative or not finite", i);
+    if (!layers)
+        return true;
+    if (!read_floats(r, layers, arena, &s->layer_sums))
+        return err_set(err, ERR_PROTOCOL, "payload layers are cut short");
+    for (size_t i = 0; i < layers; i++)
+        if (!isfinite(s->layer_sums[i]))
+            return err_set(err, ERR_PROTOCOL, "payload layer sum %zu is not finite", i);
+    return true;
+}
+
 bool wire_decode(struct wire_samples *w, const void *data, size_t bytes, struct arena *arena,
                  struct err *err)
 {
     *w = (struct wire_samples){0};
-    size_t body_bytes;
-    const unsigned char *body = open_frame(data, bytes, &body_bytes, arena, err);
+    struct frame frame = {0};
+    const unsigned char *body = open_frame(data, bytes, &frame, arena, err);
     if (!body)
         return false;
-    struct buf_reader r = buf_reader_make(body, body_bytes);
-    struct film_samples *s = &w->samples;
-    read_fixed(&r, w);
+    struct buf_reader r = buf_reader_make(body, frame.body_bytes);
+    read_fixed(&r, frame.version, w);
     if (r.failed)
         return err_set(err, ERR_PROTOCOL, "payload body of %zu bytes: expected at least %d",
-                       body_bytes, WIRE_BODY_FIXED_BYTES);
-    if (!check_fixed(s, err) || !read_keys(&r, s, err))
-        return false;
-    const size_t count = (size_t)tile_rect_pixels(s->rect) * FILM_CHANNELS;
-    const size_t rest = (size_t)(r.end - r.at);
-    if (r.failed || rest != count * sizeof(float))
-        return err_set(err, ERR_PROTOCOL, "payload sums: %zu bytes, expected %zu", rest,
-                       count * sizeof(float));
-    s->sums = arena_new(arena, float, count);
-    memcpy(s->sums, r.at, rest);
-    for (size_t i = 0; i < count; i++)
-        if (!(isfinite(s->sums[i]) && s->sums[i] >= 0))
-            return err_set(err, ERR_PROTOCOL, "payload sum %zu is negative or not finite", i);
-    return true;
+                       frame.body_bytes, WIRE_BODY_FIXED_BYTES);
+    return check_fixed(&w->samples, frame.version, err) && read_keys(&r, &w->samples, err) &&
+           read_sums(&r, &w->samples, arena, err);
 }

@@ -13,11 +13,12 @@
 #include "common/film.h"
 
 enum {
-    WIRE_VERSION = 1,
+    WIRE_VERSION = 1,        /* of tile samples without layers */
+    WIRE_VERSION_LAYERS = 2, /* with layers */
     WIRE_HEADER_BYTES = 32,
-    WIRE_BODY_FIXED_BYTES = 64,
-    WIRE_MAX_BYTES = WIRE_HEADER_BYTES + WIRE_BODY_FIXED_BYTES + FILM_MAX_KEYS * 12 +
-                     TILE_MAX_PX * TILE_MAX_PX * FILM_CHANNELS * 4,
+    WIRE_BODY_FIXED_BYTES = 64, /* 68 with layers */
+    WIRE_MAX_BYTES = WIRE_HEADER_BYTES + WIRE_BODY_FIXED_BYTES + 4 + FILM_MAX_KEYS * 12 +
+                     TILE_MAX_PX * TILE_MAX_PX * (FILM_CHANNELS + LAYERS_MAX_CHANNELS) * 4,
 };
 
 struct wire_samples {

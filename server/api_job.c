@@ -51,22 +51,33 @@ void api_prepare_job(struct request *rq, struct reply *re)
         problem_scene(rq, re, &errors);
 }
 
+struct missing { /* assets, each once */
+    const char **list;
+    size_t count;
+};
+
+static void look_for(struct missing *m, const char *asset)
+{
+    bool known = asset_exists(asset);
+    for (size_t k = 0; k < m->count; k++)
+        known |= !strcmp(m->list[k], asset);
+    if (!known)
+        m->list[m->count++] = asset;
+}
+
 static bool assets_are_here(const struct request *rq, struct reply *re)
 {
     const struct scene *scene = rq->scene;
-    const char **missing = arena_new(rq->arena, const char *, scene->mesh_count);
-    size_t count = 0;
-    for (uint32_t i = 0; i < scene->mesh_count; i++) {
-        const struct mesh *m = &scene->meshes[i];
-        bool known = m->format == MESH_INLINE || asset_exists(m->asset);
-        for (size_t k = 0; k < count; k++)
-            known |= !strcmp(missing[k], m->asset);
-        if (!known)
-            missing[count++] = m->asset;
-    }
-    if (count)
-        problem_missing(rq, re, missing, count);
-    return count == 0;
+    struct missing m = {
+        arena_new(rq->arena, const char *, (size_t)scene->mesh_count + scene->image_count), 0};
+    for (uint32_t i = 0; i < scene->mesh_count; i++)
+        if (scene->meshes[i].format != MESH_INLINE)
+            look_for(&m, scene->meshes[i].asset);
+    for (uint32_t i = 0; i < scene->image_count; i++)
+        look_for(&m, scene->images[i].asset);
+    if (m.count)
+        problem_missing(rq, re, m.list, m.count);
+    return m.count == 0;
 }
 
 static struct store_job row_of(const struct server *s, const struct scene *scene, int64_t priority)
@@ -79,6 +90,7 @@ static struct store_job row_of(const struct server *s, const struct scene *scene
         .height_px = f->height_px,
         .tile_px = s->config->tile_px,
         .crop = {f->crop_x_begin, f->crop_y_begin, f->crop_x_end, f->crop_y_end},
+        .layers = f->layers,
         .target = scene->settings.target,
         .created_unix_ms = clock_unix_ms(),
         .error = -1,

@@ -12,7 +12,7 @@
 #include "common/buf.h"
 #include "server/disk.h"
 
-enum { VERSION = 1, STEP = 1 << 20 };
+enum { VERSION = 1, VERSION_LAYERS = 2, STEP = 1 << 20 };
 
 static const char magic[8] = {'S', 'M', 'L', 'T', 'F', 'I', 'L', 'M'};
 
@@ -20,12 +20,17 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "arrays are written as
 
 /* ---- the parts, in file order ---- */
 
+static uint32_t version_of(const struct store_job *row)
+{
+    return row->layers ? VERSION_LAYERS : VERSION;
+}
+
 static void head_write(const struct checkpoint *c, struct buf *out)
 {
     const struct store_job *row = &c->row;
     const struct tile_rect w = row->crop;
     buf_append(out, magic, sizeof magic);
-    buf_u32(out, VERSION);
+    buf_u32(out, version_of(row));
     buf_u32(out, c->tile_count);
     buf_u64(out, row->id);
     buf_u64(out, c->generation);
@@ -44,20 +49,27 @@ static void head_write(const struct checkpoint *c, struct buf *out)
     }
 }
 
-enum { HEAD_BYTES = 8 + 4 + 4 + 8 + 8 + 6 * 4 + 5 * 8, ARRAYS = 4 };
+enum { HEAD_BYTES = 8 + 4 + 4 + 8 + 8 + 6 * 4 + 5 * 8, MOST_ARRAYS = 6 };
 
 struct span {
     void *data;
     size_t bytes;
 };
 
-static void arrays_of(const struct checkpoint *c, struct span out[ARRAYS])
+/* Returns how many. */
+static int arrays_of(struct checkpoint *c, struct span out[MOST_ARRAYS])
 {
     const size_t pixels = tile_rect_pixels(c->row.crop);
     out[0] = (struct span){c->merged, c->tile_count * sizeof *c->merged};
     out[1] = (struct span){c->film.sum, pixels * 3 * sizeof *c->film.sum};
     out[2] = (struct span){c->film.replicate, pixels * FILM_CHANNELS * sizeof *c->film.replicate};
     out[3] = (struct span){c->film.spp, pixels * sizeof *c->film.spp};
+    if (!c->row.layers)
+        return 4;
+    out[4] = (struct span){&c->film.layers, sizeof c->film.layers};
+    out[5] = (struct span){c->film.layer,
+                           pixels * layers_channels(c->row.layers) * sizeof *c->film.layer};
+    return 6;
 }
 
 /* ---- writing ---- */
@@ -69,23 +81,23 @@ static bool put(struct disk_file *f, struct hash *h, const void *data, size_t by
     return disk_write(f, data, bytes, err);
 }
 
-static bool write_all(const struct checkpoint *c, struct disk_file *f, struct err *err)
+static bool write_all(struct checkpoint *c, struct disk_file *f, struct err *err)
 {
     struct buf head = {0};
-    struct span arrays[ARRAYS];
+    struct span arrays[MOST_ARRAYS];
     struct hash *h = hash_new();
     char hex[HASH_HEX];
     head_write(c, &head);
-    arrays_of(c, arrays);
+    const int count = arrays_of(c, arrays);
     bool ok = put(f, h, head.data, head.size, err);
-    for (int i = 0; ok && i < ARRAYS; i++)
+    for (int i = 0; ok && i < count; i++)
         ok = put(f, h, arrays[i].data, arrays[i].bytes, err);
     buf_release(&head);
     hash_finish(h, hex);
     return ok && disk_write(f, hex, HASH_HEX - 1, err);
 }
 
-bool checkpoint_write(const struct checkpoint *c, const char *path, struct err *err)
+bool checkpoint_write(struct checkpoint *c, const char *path, struct err *err)
 {
     struct disk_file f;
     if (!disk_create(&f, path, err))
@@ -131,7 +143,7 @@ static bool read_head(struct source *s, struct checkpoint *c, struct err *err)
     struct store_job *row = &c->row;
     const struct tile_rect w = row->crop;
     bool ok = !memcmp(buf_read(&r, sizeof magic), magic, sizeof magic);
-    ok &= buf_read_u32(&r) == VERSION;
+    ok &= buf_read_u32(&r) == version_of(row);
     ok &= buf_read_u32(&r) == c->tile_count;
     ok &= buf_read_u64(&r) == row->id;
     c->generation = buf_read_u64(&r);
@@ -198,15 +210,17 @@ static bool passes_agree(const struct checkpoint *c)
 
 static bool read_all(struct source *s, struct checkpoint *c, struct err *err)
 {
-    struct span arrays[ARRAYS];
+    struct span arrays[MOST_ARRAYS];
     if (!read_head(s, c, err) || !read_keys(s, c, err))
         return false;
-    arrays_of(c, arrays);
-    for (int i = 0; i < ARRAYS; i++)
+    const int count = arrays_of(c, arrays);
+    for (int i = 0; i < count; i++)
         if (!get(s, arrays[i].data, arrays[i].bytes, err))
             return false;
     if (!read_close(s, err))
         return false;
+    if (c->film.layers != c->row.layers)
+        return err_set(err, ERR_INPUT, "%s: the film's layers are not the job's", s->path);
     return passes_agree(c) ||
            err_set(err, ERR_INPUT, "%s: the film's passes and samples differ", s->path);
 }
@@ -220,6 +234,7 @@ bool checkpoint_read(struct checkpoint *c, const char *path, struct err *err)
     const struct store_job expected = c->row;
     char unused[HASH_HEX];
     film_init(&c->film, c->row.crop);
+    film_add_layers(&c->film, c->row.layers);
     c->merged = arena_malloc(c->tile_count, sizeof *c->merged);
     s.hash = hash_new();
     const bool ok = read_all(&s, c, err);

@@ -4,11 +4,13 @@
  * the counters that went with them, closed by a SHA-256. It is written whole and renamed, so there
  * is always either the old film or the new one. All integers little-endian:
  *
- *     "SMLTFILM" | u32 version 1 | u32 tile_count | u64 job | u64 generation
+ *     "SMLTFILM" | u32 version | u32 tile_count | u64 job | u64 generation
  *     u32 x_begin y_begin x_end y_end tile_px key_count
  *     u64 samples passes_done cpu_us invalid_count elapsed_ms | key_count x (u32 x y sample)
- *     u32 merged[tile_count] | f64 sum[] | f32 replicate[] | u32 spp[] | 64 hex digits of SHA-256
+ *     u32 merged[tile_count] | f64 sum[] | f32 replicate[] | u32 spp[] |
+ *     version 2: u32 layers, f64 layer[] | 64 hex digits of SHA-256
  *
+ * Version 1 is a film without layers, 2 one with some.
  * Any one thread. Errors: ERR_NOT_FOUND; ERR_INPUT: not a whole film of this job; ERR_IO.
  * SPDX-License-Identifier: MIT */
 #ifndef SERVER_CHECKPOINT_H
@@ -24,7 +26,7 @@ struct checkpoint {
     uint64_t generation;
 };
 
-bool checkpoint_write(const struct checkpoint *, const char *path, struct err *) MUST_CHECK;
+bool checkpoint_write(struct checkpoint *, const char *path, struct err *) MUST_CHECK;
 
 /* row and tile_count say what is expected; fills film, merged, generation, and the row's counters.
  * False: nothing to release. */

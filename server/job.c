@@ -68,7 +68,7 @@ void job_close(struct job *j)
 
 uint64_t job_film_bytes(const struct job *j)
 {
-    struct film f = {.window = j->row.crop};
+    struct film f = {.window = j->row.crop, .layers = j->row.layers};
     return film_bytes(&f) + (uint64_t)j->tile_count * sizeof *j->tiles;
 }
 

@@ -34,6 +34,9 @@ bool merge_check(const struct job *j, const struct wire_samples *w, struct err *
                        "payload rectangle [%u, %u, %u, %u]: tile %u is [%u, %u, %u, %u]",
                        s->rect.x_begin, s->rect.y_begin, s->rect.x_end, s->rect.y_end, w->tile,
                        rect.x_begin, rect.y_begin, rect.x_end, rect.y_end);
+    if (s->layers != j->row.layers)
+        return err_set(err, ERR_PROTOCOL, "payload layers 0x%x: expected 0x%x", s->layers,
+                       j->row.layers);
     if (w->pass >= tile_pass_count(SCENE_MAX_SPP))
         return err_set(err, ERR_PROTOCOL, "payload pass %u: expected below %u", w->pass,
                        tile_pass_count(SCENE_MAX_SPP));
@@ -86,6 +89,12 @@ static void merge_one(struct job *j, uint32_t tile, const struct film_samples *s
     job_touch(j);
 }
 
+/* Floats of a payload with the job's layers. */
+static size_t held_count(const struct job *j, struct tile_rect rect)
+{
+    return (size_t)tile_rect_pixels(rect) * (FILM_CHANNELS + layers_channels(j->row.layers));
+}
+
 /* What was waiting for this tile's next pass. */
 static void merge_waiting(struct job *j, uint32_t tile, int64_t now_ms)
 {
@@ -95,8 +104,7 @@ static void merge_waiting(struct job *j, uint32_t tile, int64_t now_ms)
         if (s->state != SLOT_HELD || !may_merge(j, t->merged))
             return;
         struct job_held *h = s->held;
-        j->held_bytes -=
-            (uint64_t)tile_rect_pixels(h->samples.rect) * FILM_CHANNELS * sizeof(float);
+        j->held_bytes -= held_count(j, h->samples.rect) * sizeof h->sums[0];
         merge_one(j, tile, &h->samples, h->cpu_us, now_ms);
         free(h);
     }
@@ -104,12 +112,17 @@ static void merge_waiting(struct job *j, uint32_t tile, int64_t now_ms)
 
 static void hold(struct job *j, const struct wire_samples *w)
 {
-    const size_t count = (size_t)tile_rect_pixels(w->samples.rect) * FILM_CHANNELS;
+    const size_t count = held_count(j, w->samples.rect);
+    const size_t image = (size_t)tile_rect_pixels(w->samples.rect) * FILM_CHANNELS;
     struct job_held *h = arena_malloc(1, sizeof *h + count * sizeof h->sums[0]);
     h->cpu_us = w->cpu_us;
     h->samples = w->samples;
     h->samples.sums = h->sums;
-    memcpy(h->sums, w->samples.sums, count * sizeof h->sums[0]);
+    memcpy(h->sums, w->samples.sums, image * sizeof h->sums[0]);
+    if (count > image) {
+        h->samples.layer_sums = h->sums + image;
+        memcpy(h->samples.layer_sums, w->samples.layer_sums, (count - image) * sizeof h->sums[0]);
+    }
     *job_slot(j, w->tile, w->pass) = (struct job_slot){.state = SLOT_HELD, .held = h};
     j->held_bytes += count * sizeof h->sums[0];
 }

@@ -40,13 +40,18 @@ static void film_copy(struct film *to, const struct film *from)
     const size_t pixels = tile_rect_pixels(from->window);
     struct film copy;
     film_init(&copy, from->window);
+    film_add_layers(&copy, from->layers);
     memcpy(copy.sum, from->sum, pixels * 3 * sizeof *copy.sum);
     memcpy(copy.replicate, from->replicate, pixels * FILM_CHANNELS * sizeof *copy.replicate);
     memcpy(copy.spp, from->spp, pixels * sizeof *copy.spp);
+    if (from->layer)
+        memcpy(copy.layer, from->layer,
+               pixels * layers_channels(from->layers) * sizeof *copy.layer);
     *to = *from;
     to->sum = copy.sum;
     to->replicate = copy.replicate;
     to->spp = copy.spp;
+    to->layer = copy.layer;
 }
 
 static void film_move(struct film *to, struct film *from)
@@ -55,6 +60,7 @@ static void film_move(struct film *to, struct film *from)
     from->sum = NULL;
     from->replicate = NULL;
     from->spp = NULL;
+    from->layer = NULL;
 }
 
 static void hand_over(struct server *s, struct writer_task *t)

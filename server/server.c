@@ -162,6 +162,7 @@ static void film_load(struct server *s, struct job *j)
         log_warn("film job=%016llx starts from zero: %s", (unsigned long long)j->row.id, err.text);
     counters_reset(&j->row);
     film_init(&c.film, j->row.crop);
+    film_add_layers(&c.film, j->row.layers);
     job_open(j, &c.film, NULL);
 }
 

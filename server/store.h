@@ -46,6 +46,7 @@ struct store_job {
     int32_t priority;
     uint32_t width_px, height_px, tile_px;
     struct tile_rect crop;
+    uint32_t layers; /* of the film, layers.h */
     struct scene_target target; /* spp: the one settled on, once that is known */
     bool settled;               /* a job with a seconds target has decided where to stop */
     int64_t created_unix_ms, started_unix_ms, finished_unix_ms; /* 0: not yet */

@@ -49,9 +49,9 @@ check_layers() {
     forbid 'client may include only client, common and common/trace' 'client/.*' "$include" \
         "$include(client|common|common/trace)/[^/]*\""
     forbid 'common may include only common' 'common/[^/]*' "$include" "$include""common/[^/]*\""
-    forbid 'common/trace may include only itself and common/{base,err,arena,vec,color,scene,tile,film}.h' \
+    forbid 'common/trace may include only itself and common/{base,err,arena,vec,color,scene,tile,film,layers}.h' \
         'common/trace/.*' "$include" \
-        "$include""common/(trace/[^/]*|base\.h|err\.h|arena\.h|vec\.h|color\.h|scene\.h|tile\.h|film\.h)\""
+        "$include""common/(trace/[^/]*|base\.h|err\.h|arena\.h|vec\.h|color\.h|scene\.h|tile\.h|film\.h|layers\.h)\""
 }
 
 check_libraries() {
@@ -60,14 +60,15 @@ check_libraries() {
     library SQLite 'sqlite3' 'server/store\.c'
     library zlib 'zlib' 'common/wire\.c'
     library libcrypto 'openssl/' 'common/hash\.c'
-    library OpenEXR '(openexr|OpenEXR/)' '(server/image_exr|client/exr_[a-z]+)\.c'
+    library OpenEXR '(openexr|OpenEXR/)' '(server/image_exr|common/exr_file)\.c'
     library xxHash 'xxhash' 'worker/stagefile\.c'
-    library libpng 'png\.h' '(server/image_png|client/png_[a-z]+)\.c'
+    library libpng 'png\.h' '(server/image_png|common/image_asset_png)\.c'
+    library libjpeg 'jpeglib' 'common/image_asset_jpeg\.c'
     library jansson 'jansson' \
         '(common/(scene_json|http_problem)|server/(api|body|feed|grant|problem|status)[a-z_]*|worker/link|client/[a-z_]+)\.c'
     forbid 'Embree is included only by bench/embree.c' '.*' '# *include *<embree' '^bench/embree\.c:'
     forbid 'no header may include an outside library' '[^:]*\.h' \
-        '# *include *<(microhttpd|curl/|sqlite3|zlib|openssl/|openexr|OpenEXR/|png\.h|jansson|xxhash)'
+        '# *include *<(microhttpd|curl/|sqlite3|zlib|openssl/|openexr|OpenEXR/|png\.h|jpeglib|jansson|xxhash)'
 }
 
 check_purity() {

@@ -7,6 +7,7 @@ import re
 import signal
 import subprocess
 import time
+import zlib
 
 import farm
 
@@ -159,16 +160,28 @@ def works_with_a_coordinator(f, t):
     t.equal(f.run("status", "nonsense", env=env).returncode, 2, "status: no id at all, status 2")
 
 
+def png(width, height, rgb):
+    """An image of one colour."""
+    def chunk(name, data):
+        return (len(data).to_bytes(4, "big") + name + data + zlib.crc32(name + data).to_bytes(4, "big"))
+    head = width.to_bytes(4, "big") + height.to_bytes(4, "big") + bytes([8, 2, 0, 0, 0])
+    rows = (b"\0" + bytes(rgb) * width) * height
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+
+
 def uploads_what_is_missing(f, t):
     env = {**os.environ, "SMALTI_SERVER": f.url}
     mesh = "v 0.2 0.2 0.3\nv 0.3 0.2 0.3\nv 0.2 0.3 0.3\nf 1 2 3\n"
     write(f, "part.obj", mesh)
     document = farm.scene("cornell-box.json", 64, 64, spp=8)
     document["shapes"].append({"type": "mesh", "material": "white", "file": "part.obj"})
+    with open(os.path.join(f.dir, "leaf.png"), "wb") as image:
+        image.write(png(3, 2, (20, 200, 60)))
+    document["textures"] = {"leaf": {"type": "image", "file": "leaf.png"}}
     path = write(f, "meshes.json", document)
     f.start_worker("--threads", "1")
     first = f.run("submit", path, "--wait", env=env)
-    t.equal(first.returncode, 0, "a scene with a mesh file is sent and rendered")
+    t.equal(first.returncode, 0, "a scene with a mesh file and an image file is sent and rendered")
     job = first.stdout.strip()
     f.run("fetch", job, "-o", os.path.join(f.dir, "meshes.exr"), env=env)
     out = os.path.join(f.dir, "meshes-local.exr")
@@ -178,6 +191,11 @@ def uploads_what_is_missing(f, t):
     os.unlink(os.path.join(f.dir, "part.obj"))
     broken = f.run("submit", path, env=env)
     t.ok(broken.returncode == 3 and f"{path}: /shapes/16: " in broken.stderr, "a mesh file that is gone: status 3",
+         broken.stderr)
+    write(f, "part.obj", mesh)
+    write(f, "leaf.png", "a leaf")
+    broken = f.run("submit", path, env=env)
+    t.ok(broken.returncode == 3 and f"{path}: /textures/leaf: " in broken.stderr, "an image file that is none: status 3",
          broken.stderr)
 
 

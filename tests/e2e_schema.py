@@ -16,6 +16,7 @@ ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
 
 # What takes more than one value, or the bytes before they are values.
 BEYOND_A_SCHEMA = {
+    "camera-lens-wider-than-focus": "one number against another",
     "camera-look-at-itself": "two points coincide",
     "camera-matrix-mirrored": "geometry of a matrix",
     "camera-matrix-scaled": "geometry of a matrix",
@@ -35,6 +36,7 @@ BEYOND_A_SCHEMA = {
     "mesh-index-high": "index against the count of vertices",
     "mesh-world-huge": "a point and a transform",
     "net-mesh-file": "the schema is also for documents on disk",
+    "net-texture-file": "the schema is also for documents on disk",
     "quad-bow-tie": "geometry of corners",
     "quad-concave": "geometry of corners",
     "quad-in-a-line": "geometry of corners",
@@ -48,6 +50,7 @@ BEYOND_A_SCHEMA = {
     "sphere-ellipsoid": "geometry of a transform",
     "sphere-world-huge": "product of steps",
     "sphere-world-tiny": "product of steps",
+    "texture-image-exr-srgb": "one key against another",
     "transform-singular-matrix": "geometry of a matrix",
 }
 

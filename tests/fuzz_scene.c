@@ -26,12 +26,33 @@ static void check_errors(const struct scene_errors *e)
     }
 }
 
+static void check_camera(const struct scene_camera *c)
+{
+    switch (c->kind) {
+    case CAMERA_THIN_LENS:
+        require(c->lens_radius >= 0 && c->focus > 0 && c->lens_radius <= c->focus);
+        require(!c->blades || (c->blades >= 3 && c->blades <= SCENE_MAX_BLADES));
+        require(c->blades_turn >= 0 && c->blades_turn <= 1);
+        require(c->fov_y_rad > 0 && c->fov_y_rad < 3.15f);
+        return;
+    case CAMERA_PERSPECTIVE:
+        require(c->fov_y_rad > 0 && c->fov_y_rad < 3.15f);
+        return;
+    case CAMERA_ORTHOGRAPHIC:
+        require((c->width > 0) != (c->height > 0));
+        return;
+    case CAMERA_PANORAMIC:
+        return;
+    }
+    require(false);
+}
+
 static void check_scene(const struct scene *s)
 {
     const struct scene_film *f = &s->film;
     require(f->crop_x_begin < f->crop_x_end && f->crop_x_end <= f->width_px);
     require(f->crop_y_begin < f->crop_y_end && f->crop_y_end <= f->height_px);
-    require(s->camera.fov_y_rad > 0 && s->camera.fov_y_rad < 3.15f);
+    check_camera(&s->camera);
     require(s->settings.target.spp >= 1 && s->settings.target.spp <= SCENE_MAX_SPP);
     for (uint32_t i = 0; i < s->shape_count; i++) {
         require(s->shapes[i].material < s->material_count);

@@ -54,6 +54,7 @@ static void render_tile_passes(struct share *s, uint32_t tile, struct arena *are
         arena_reset(arena);
         struct film_samples samples =
             film_samples_make(tile_rect_of(s->grid, tile), tile_pass_of(p, s->spp), arena);
+        film_samples_add_layers(&samples, s->film->layers, arena);
         render_tile(s->stage, &samples);
         pthread_mutex_lock(&s->merge);
         film_merge(s->film, &samples);
@@ -82,6 +83,7 @@ void local_render(const struct local *l, uint32_t tile_px, uint32_t threads, str
     const struct tile_grid grid = tile_grid_make(
         (struct tile_rect){f->crop_x_begin, f->crop_y_begin, f->crop_x_end, f->crop_y_end}, tile_px);
     film_init(film, grid.window);
+    film_add_layers(film, f->layers);
     struct share s = {.stage = l->stage,
                       .grid = &grid,
                       .film = film,

@@ -138,6 +138,8 @@ static bool scatter(const struct material *m, bool front, struct dir wo, struct 
         return either_dielectric(m, front, wo, dice, wi, weight);
     case MATERIAL_CONDUCTOR:
         return conductor(m, wo, dice, wi, weight);
+    case MATERIAL_METAL:
+        break; /* scenes with it are beyond this */
     }
     __builtin_unreachable();
 }

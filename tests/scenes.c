@@ -17,7 +17,7 @@ void scenes_init(struct scenes *s, uint32_t width_px, uint32_t height_px)
     struct scene *scene = &s->scene;
     scene->title = "";
     scene->film =
-        (struct scene_film){width_px, height_px, 0, 0, width_px, height_px, FILTER_BOX, 0.5f};
+        (struct scene_film){width_px, height_px, 0, 0, width_px, height_px, FILTER_BOX, 0.5f, 0};
     scene->settings = (struct scene_settings){.max_bounces = 64, .seed = 1, .target = {.spp = 64}};
     scene->materials = arena_new(&s->arena, struct material, SCENES_MAX);
     scene->shapes = arena_new(&s->arena, struct shape, SCENES_MAX_SHAPES);
@@ -235,9 +235,11 @@ void scenes_render(const struct stage *stage, uint32_t spp, struct film *film)
     const struct scene_film *f = &stage->film;
     const struct tile_rect frame = {f->crop_x_begin, f->crop_y_begin, f->crop_x_end, f->crop_y_end};
     film_init(film, frame);
+    film_add_layers(film, stage->film.layers);
     struct arena arena = {0};
     for (uint32_t pass = 0; pass < tile_pass_count(spp); pass++) {
         struct film_samples samples = film_samples_make(frame, tile_pass_of(pass, spp), &arena);
+        film_samples_add_layers(&samples, film->layers, &arena);
         render_tile(stage, &samples);
         film_merge(film, &samples);
         arena_reset(&arena);

@@ -95,8 +95,9 @@ static void batch(const struct stage *s, struct dice *d, struct ray first, struc
         if (dice_bits(d) % 64 == 0)
             rays[i] = (struct ray){first.origin, -first.dir, dice_bits(d) & 1 ? 0 : 1, 0, 0};
     }
-    const uint32_t closest = bvh_hit_closest_8(s, rays, count, hits);
-    const uint32_t any = bvh_hit_any_8(s, rays, count);
+    const uint32_t which = (1u << count) - 1;
+    const uint32_t closest = bvh_hit_closest_8(s, which, rays, hits);
+    const uint32_t any = bvh_hit_any_8(s, which, rays);
     for (uint32_t i = 0; i < count; i++) {
         memset(&hit, 0, sizeof hit);
         n->wrong_batch +=

@@ -57,6 +57,34 @@ static double worst_of_turns(uint32_t step)
     return worst * 0x1p24;
 }
 
+/* Magnitudes of 1e-20 to 1e20, and ratios near 1, near tan(pi/8) and of any size. */
+static double worst_of_atan2(int n)
+{
+    struct dice dice = dice_make(2);
+    double worst = 0;
+    for (int i = 0; i < n; i++) {
+        const double size = pow(10, dice_range(&dice, -20, 20));
+        const double near[] = {1, 0.41421356237309503, pow(10, dice_range(&dice, -15, 15))};
+        const double ratio = near[i % 3] * (1 + (i % 2 ? 1e-6 : 1) * dice_range(&dice, -.9, .9));
+        const float x = (float)(dice_bits(&dice) & 1 ? size : -size);
+        const float y = (float)(dice_bits(&dice) & 1 ? size * ratio : -size * ratio);
+        worst = fmax(worst, ulps(fmath_atan2(y, x), atan2((double)y, (double)x)));
+    }
+    return worst;
+}
+
+static uint32_t digest_of_atan2(void)
+{
+    uint32_t h = 1;
+    for (uint32_t i = 0; i < 100000; i++) {
+        const float out = fmath_atan2((float)(i % 317) - 158, (float)(i % 211) - 105);
+        uint32_t bits;
+        memcpy(&bits, &out, sizeof bits);
+        h = h * 31 + bits;
+    }
+    return h;
+}
+
 static uint32_t digest(void)
 {
     uint32_t h = 1;
@@ -84,5 +112,11 @@ int main(void)
     fmath_sincos(0, &s, &c);
     ok(s == 0 && c == 1, "no turn is exact");
     ok(digest() == 0x2d83ad85, "100000 values have the bits of every other build");
+
+    ok(worst_of_atan2(n) < 1, "angles by atan2 within 1 ulp");
+    ok(fmath_atan2(0, 0) == 0 && fmath_atan2(0, 1) == 0 && fmath_atan2(0, -1) == FMATH_PI &&
+           fmath_atan2(2, 0) == FMATH_HALF_PI && fmath_atan2(-2, 0) == -FMATH_HALF_PI,
+       "angles along the axes are exact, of no direction 0");
+    ok(digest_of_atan2() == 0x78a942d1, "100000 angles have the bits of every other build");
     return tap_done();
 }

@@ -96,10 +96,10 @@ static void agrees_with_naive(float alpha, const char *name)
 static double luminance_along(const struct stage *stage, struct ray ray, const struct rng *rng,
                               uint32_t roulette_begin)
 {
-    struct path_start start;
+    struct path_starts start;
     rgb radiance;
-    path_begin(stage, &ray, 1, &start);
-    path_radiance(stage, &start, rng, 1, roulette_begin, &radiance);
+    path_begin(stage, 1, &ray, &start);
+    path_radiance(stage, 1, &start, rng, roulette_begin, NULL, &radiance);
     return (double)rgb_luminance(radiance);
 }
 

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "common/buf.h"
+#include "common/layers.h"
 #include "tests/tap.h"
 
 static struct arena arena;
@@ -89,6 +90,7 @@ static void film_and_settings(void)
     ok(scene.film.crop_x_begin == 10 && scene.film.crop_y_begin == 20 &&
            scene.film.crop_x_end == 30 && scene.film.crop_y_end == 40,
        "crop is x_begin, y_begin, x_end, y_end");
+    ok(scene.film.layers == 0, "no layers are made unless asked for");
     ok(scene.settings.max_bounces == 0 && scene.settings.seed == 9007199254740991u,
        "bounces and seed reach the ends of their ranges");
     ok(scene.settings.target.error == .02 && scene.settings.target.seconds == 60 &&
@@ -97,6 +99,10 @@ static void film_and_settings(void)
     ok(parse("{\"smalti\": 1, \"film\": {\"width\": 16384, \"height\": 16384, \"crop\": "
              "[16000, 16000, 16384, 16384]}, " CAMERA ", \"materials\": {}, \"shapes\": []}"),
        "the limit of pixels counts those that are rendered");
+    ok(parse("{\"smalti\": 1, \"film\": {\"width\": 9, \"height\": 9, \"layers\": [\"material\", "
+             "\"albedo\"], \"bounces\": 3}, " CAMERA ", \"materials\": {}, \"shapes\": []}") &&
+           scene.film.layers == layers_make(LAYER_MATERIAL | LAYER_ALBEDO, 3),
+       "layers are a set, bounces a count");
 }
 
 static void camera(void)
@@ -121,6 +127,38 @@ static void camera(void)
        "a matrix of six digits is rigid enough");
     const double h = sqrt(.5);
     ok(near_point(x, (double[]){1, 0, 0}, (double[]){4 + h, 5, 6 - h}), "and is made exact");
+}
+
+static bool seen_by(const char *camera)
+{
+    char json[1024];
+    snprintf(json, sizeof json,
+             "{\"smalti\": 1, " FILM ", \"camera\": {\"look_at\": {\"from\": [1, 2, 3], \"to\": "
+             "[1, 2, 0]}, %s}, \"materials\": {}, \"shapes\": []}",
+             camera);
+    return parse(json);
+}
+
+static void cameras(void)
+{
+    const struct scene_camera *c = &scene.camera;
+    ok(seen_by("\"type\": \"thin_lens\", \"fov_deg\": 90, \"aperture_radius\": 0.25, "
+               "\"focus_distance\": 4") &&
+           c->kind == CAMERA_THIN_LENS && c->lens_radius == .25f && c->focus == 4 && !c->blades &&
+           fabsf(c->fov_y_rad - 1.5707963f) < 1e-6f,
+       "thin lens, round by default");
+    ok(seen_by("\"type\": \"thin_lens\", \"fov_deg\": 90, \"aperture_radius\": 4, "
+               "\"focus_distance\": 4, \"blades\": 7, \"blade_angle_deg\": -90") &&
+           c->blades == 7 && c->blades_turn == .75f,
+       "as wide as its focus is far; seven blades, turned");
+    ok(seen_by("\"type\": \"orthographic\", \"width\": 2.5") && c->kind == CAMERA_ORTHOGRAPHIC &&
+           c->width == 2.5f && c->height == 0,
+       "orthographic by its width");
+    ok(seen_by("\"type\": \"orthographic\", \"height\": 2") && c->width == 0 && c->height == 2,
+       "or its height");
+    ok(seen_by("\"type\": \"panoramic\"") && c->kind == CAMERA_PANORAMIC &&
+           near_point(&c->to_world, (double[]){0, 0, -3}, (double[]){1, 2, 0}),
+       "panoramic");
 }
 
 static void materials(void)
@@ -392,6 +430,7 @@ int main(void)
     defaults();
     film_and_settings();
     camera();
+    cameras();
     materials();
     shapes();
     transforms();

@@ -1,4 +1,4 @@
-/* scene_assets.c: a document for sending differs from the one on disk in its mesh names alone.
+/* scene_assets.c: a document for sending differs from the one on disk in the names of files alone.
  * SPDX-License-Identifier: MIT */
 #include "common/scene.h"
 
@@ -12,7 +12,10 @@ static struct arena arena;
 #define B "bbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbbb"
 #define C "cccccccccccccccccccccccccccccccccccccccccccccccccccccccccccccccc"
 
+#define D "dddddddddddddddddddddddddddddddddddddddddddddddddddddddddddddddd"
+
 static const char hex[][HASH_HEX] = {A, B, C, B, A};
+static const char textures[][HASH_HEX] = {D, C, B};
 
 #define HEAD                                                                                       \
     "{\"smalti\": 1, \"film\" : {\"width\": 64.0, \"height\": 4.8E1},\n \"camera\": {\"type\": "   \
@@ -28,7 +31,8 @@ static bool named(const char *json, const char *want)
         diag("%s: %s", e.list[0].where, e.list[0].what);
         return false;
     }
-    const char *got = scene_name_assets(json, strlen(json), hex, &arena);
+    const struct scene_hashes hashes = {.textures = textures, .shapes = hex};
+    const char *got = scene_name_assets(json, strlen(json), &hashes, &arena);
     if (strcmp(got, want))
         diag("got %s", got);
     return !strcmp(got, want) && scene_parse(&s, got, strlen(got), SCENE_FROM_NET, &arena, &e);
@@ -64,6 +68,18 @@ int main(void)
                   "\"asset\": \"" A "\", \"format\": \"ply\", \"material\": \"file\"}], "
                   "\"lights\": []}"),
        "each mesh gets its own, those without a file none");
+    ok(named(HEAD ": [{\"type\": \"mesh\", \"file\": \"m.ply\", \"material\": \"file\"}], "
+                  "\"textures\": {\"shapes\": {\"type\": \"image\", \"file\": \"a.PNG\"}, "
+                  "\"file\": {\"file\" : \"b.jpg\", \"wrap\": \"clamp\", \"type\": \"image\"},"
+                  "\"t\": {\"type\": \"image\", \"file\": \"c.jpeg.exr\"}}}",
+             HEAD ": [{\"type\": \"mesh\", \"asset\": \"" A "\", \"format\": \"ply\", "
+                  "\"material\": \"file\"}], "
+                  "\"textures\": {\"shapes\": {\"type\": \"image\", \"asset\": \"" D "\", "
+                  "\"format\": \"png\"}, "
+                  "\"file\": {\"asset\": \"" C "\", \"format\": \"jpeg\", \"wrap\": \"clamp\", "
+                  "\"type\": \"image\"},"
+                  "\"t\": {\"type\": \"image\", \"asset\": \"" B "\", \"format\": \"exr\"}}}"),
+       "images of textures, too, whatever the textures are called");
     arena_release(&arena);
     return tap_done();
 }

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "tests/image_files.h"
 #include "tests/tap.h"
 
 static char dir[64];
@@ -95,6 +96,53 @@ static void unites_meshes(struct arena *arena)
        "shapes that name the same file, and then the same asset, have one mesh");
 }
 
+static void write_png(const char *name)
+{
+    static const unsigned char rows[] = {1, 2, 3, 4, 5, 6};
+    struct buf bytes = {0};
+    image_files_png(&bytes,
+                    &(struct image_files_png){2, 1, 8, 3, false, rows, NULL, NULL, 0, NULL});
+    char path[128];
+    snprintf(path, sizeof path, "%s/%s", dir, name);
+    FILE *f = fopen(path, "wb");
+    fwrite(bytes.data, 1, bytes.size, f);
+    fclose(f);
+    buf_release(&bytes);
+}
+
+static const char *scene_with_textures(const char *textures)
+{
+    char text[2048];
+    snprintf(text, sizeof text, "%s\"file\": \"part.obj\"}], \"textures\": {%s}}", head, textures);
+    return write_file("scene.json", text);
+}
+
+#define IMAGE(name, rest) "\"" name "\": {\"type\": \"image\", \"file\": " rest "}"
+
+/* One image for the textures that name it, before it is sent and after. */
+static void reads_images(struct arena *arena)
+{
+    struct scene_disk d;
+    struct scene sent;
+    struct scene_errors errors;
+    uint32_t unread = 9;
+    write_file("part.obj", triangle);
+    write_png("a.png");
+    const char *path = scene_with_textures(IMAGE("wood", "\"a.png\"") ", " IMAGE(
+        "bark", "\"a.png\", \"color_space\": \"linear\", \"wrap\": \"mirror\""));
+    const bool good = scene_disk_open(&d, path, arena, &errors) &&
+                      scene_disk_load(&d, arena, &unread, &errors) && d.scene.image_count == 1 &&
+                      d.asset_count == 2 && !unread;
+    ok(good && d.scene.images[0].width_px == 2 && d.scene.images[0].channels == 3 &&
+           !strcmp(d.scene.images[0].where, "/textures/wood"),
+       "an image is read beside its document, once");
+    const char *json = good ? scene_disk_send(&d, arena) : "";
+    ok(good && scene_parse(&sent, json, strlen(json), SCENE_FROM_NET, arena, &errors) &&
+           sent.image_count == 1 && !strcmp(sent.images[0].asset, d.assets[1].hex) &&
+           sent.textures[1].image.image == 0 && sent.textures[1].image.wrap == TEXTURE_MIRROR,
+       "what is sent names the asset");
+}
+
 static void says_what_is_wrong(struct arena *arena)
 {
     struct scene_disk d;
@@ -111,6 +159,14 @@ static void says_what_is_wrong(struct arena *arena)
     good = scene_disk_open(&d, scene_with("\"file\": \"bad.obj\""), arena, &errors) &&
            scene_disk_load(&d, arena, &unread, &errors);
     says(good, &errors, "/shapes/1", "bad.obj: line 2");
+    good =
+        scene_disk_open(&d, scene_with_textures(IMAGE("wood", "\"none.png\"")), arena, &errors) &&
+        scene_disk_load(&d, arena, &unread, &errors);
+    says(good, &errors, "/textures/wood", "none.png: No such file");
+    write_file("text.exr", "this is not an image");
+    good = scene_disk_open(&d, scene_with_textures(IMAGE("a/b", "\"text.exr\"")), arena, &errors) &&
+           scene_disk_load(&d, arena, &unread, &errors);
+    says(good, &errors, "/textures/a~1b", "text.exr: expected an OpenEXR file, got 20 bytes");
 }
 
 int main(void)
@@ -121,6 +177,7 @@ int main(void)
         return 1;
     reads_beside(&arena);
     unites_meshes(&arena);
+    reads_images(&arena);
     says_what_is_wrong(&arena);
     arena_release(&arena);
     char command[128];

@@ -9,6 +9,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <sqlite3.h>
+
 #include "common/buf.h"
 #include "server/asset.h"
 #include "server/checkpoint.h"
@@ -45,6 +47,7 @@ static struct store_job full_row(void)
         fake_job_row(300, 200, (struct scene_target){.error = .0125, .spp = 77, .seconds = 2.5});
     row.id = 0xffffffffffffffff;
     row.crop = (struct tile_rect){10, 20, 110, 190};
+    row.layers = LAYER_ALBEDO | 3 << 8;
     row.state = JOB_PAUSED;
     row.priority = -100;
     row.settled = true;
@@ -78,15 +81,16 @@ static bool rows_equal(const struct store_job *a, const struct store_job *b)
     return a->id == b->id && a->number == b->number && !strcmp(a->document, b->document) &&
            !strcmp(a->title, b->title) && a->state == b->state && a->priority == b->priority &&
            a->width_px == b->width_px && a->height_px == b->height_px && a->tile_px == b->tile_px &&
-           !memcmp(&a->crop, &b->crop, sizeof a->crop) && a->target.error == b->target.error &&
-           a->target.spp == b->target.spp && a->target.seconds == b->target.seconds &&
-           a->settled == b->settled && a->created_unix_ms == b->created_unix_ms &&
-           a->started_unix_ms == b->started_unix_ms && a->finished_unix_ms == b->finished_unix_ms &&
-           a->elapsed_ms == b->elapsed_ms && a->samples == b->samples &&
-           a->passes_done == b->passes_done && a->spp_done == b->spp_done && a->error == b->error &&
-           a->cpu_us == b->cpu_us && a->granted == b->granted && a->expired == b->expired &&
-           a->returned == b->returned && a->duplicates == b->duplicates &&
-           a->invalid_count == b->invalid_count && a->key_count == b->key_count &&
+           !memcmp(&a->crop, &b->crop, sizeof a->crop) && a->layers == b->layers &&
+           a->target.error == b->target.error && a->target.spp == b->target.spp &&
+           a->target.seconds == b->target.seconds && a->settled == b->settled &&
+           a->created_unix_ms == b->created_unix_ms && a->started_unix_ms == b->started_unix_ms &&
+           a->finished_unix_ms == b->finished_unix_ms && a->elapsed_ms == b->elapsed_ms &&
+           a->samples == b->samples && a->passes_done == b->passes_done &&
+           a->spp_done == b->spp_done && a->error == b->error && a->cpu_us == b->cpu_us &&
+           a->granted == b->granted && a->expired == b->expired && a->returned == b->returned &&
+           a->duplicates == b->duplicates && a->invalid_count == b->invalid_count &&
+           a->key_count == b->key_count &&
            !memcmp(a->keys, b->keys, a->key_count * sizeof a->keys[0]) &&
            a->image_version == b->image_version && !strcmp(a->digest, b->digest) &&
            a->checkpoint == b->checkpoint && !strcmp(a->failure.reason, b->failure.reason) &&
@@ -119,6 +123,28 @@ static void rows(void)
     store_close(s);
 }
 
+/* A store as version 1 left it is taken over: its jobs have no layers. */
+static void former_version(void)
+{
+    struct err err = {.text = ""};
+    struct store *s = store_open(path_of("v1.db"), &err);
+    struct store_job row = full_row();
+    ok(s && store_job_add(s, &row, &err), "a store to be made old %s", err.text);
+    store_close(s);
+    sqlite3 *db = NULL;
+    ok(sqlite3_open(path_of("v1.db"), &db) == SQLITE_OK &&
+           sqlite3_exec(db, "ALTER TABLE job DROP COLUMN layers; PRAGMA user_version = 1", NULL,
+                        NULL, NULL) == SQLITE_OK,
+       "it becomes one of version 1");
+    sqlite3_close(db);
+    struct seen seen = {.count = 0};
+    s = store_open(path_of("v1.db"), &err);
+    row.layers = 0;
+    ok(s && store_jobs(s, note, &seen, &err) && seen.count == 1 && rows_equal(&seen.jobs[0], &row),
+       "and is read by this one %s", err.text);
+    store_close(s);
+}
+
 static void damaged(void)
 {
     struct err err = {.text = ""};
@@ -145,16 +171,22 @@ static struct checkpoint expect(const struct store_job *row)
     return (struct checkpoint){.row = *row, .tile_count = TILES};
 }
 
-static struct checkpoint made(void)
+static struct checkpoint made(uint32_t layers)
 {
     struct arena arena = {0};
     struct job *j = fake_job_open(WIDTH, HEIGHT, (struct scene_target){.spp = 64});
     struct checkpoint c = expect(&j->row);
     film_init(&c.film, j->row.crop);
+    film_add_layers(&c.film, layers);
+    c.row.layers = layers;
     c.merged = arena_malloc(TILES, sizeof *c.merged);
     for (uint32_t t = 0; t < TILES; t++)
         for (uint32_t p = 0; p < t % 4; p++) {
             struct wire_samples w = fake_job_payload(j, t, p, .3f, &arena);
+            film_samples_add_layers(&w.samples, layers, &arena);
+            for (uint32_t i = 0; i < tile_rect_pixels(w.samples.rect) * layers_channels(layers);
+                 i++)
+                w.samples.layer_sums[i] = (float)i - 7;
             film_samples_note_invalid(&w.samples, (struct film_key){w.samples.rect.x_begin, t, p});
             film_merge(&c.film, &w.samples);
             c.merged[t]++;
@@ -169,12 +201,13 @@ static struct checkpoint made(void)
     return c;
 }
 
-static void films(void)
+static void films(uint32_t layers)
 {
     struct err err = {.text = ""};
-    struct checkpoint c = made(), back = expect(&c.row);
+    struct checkpoint c = made(layers), back = expect(&c.row);
     back.row.samples = back.row.cpu_us = 0;
     const size_t pixels = WIDTH * HEIGHT;
+    unlink(path_of("film"));
     ok(!checkpoint_read(&back, path_of("film"), &err) && err.code == ERR_NOT_FOUND,
        "no film yet: %s", err.text);
     ok(checkpoint_write(&c, path_of("film"), &err), "a film is written %s", err.text);
@@ -184,8 +217,10 @@ static void films(void)
            !memcmp(back.film.replicate, c.film.replicate,
                    pixels * FILM_CHANNELS * sizeof *c.film.replicate) &&
            !memcmp(back.film.spp, c.film.spp, pixels * sizeof *c.film.spp) &&
-           !memcmp(back.merged, c.merged, sizeof *c.merged * TILES),
-       "bit for bit");
+           !memcmp(back.merged, c.merged, sizeof *c.merged * TILES) &&
+           (!layers || !memcmp(back.film.layer, c.film.layer,
+                               pixels * layers_channels(layers) * sizeof *c.film.layer)),
+       "bit for bit%s", layers ? ", with its layers" : "");
     ok(back.row.samples == 4711 && back.row.passes_done == 12 && back.row.cpu_us == 99 &&
            back.row.elapsed_ms == 1234 && back.generation == 3,
        "with its counters");
@@ -198,6 +233,10 @@ static void films(void)
     other.row.id++;
     ok(!checkpoint_read(&other, path_of("film"), &err) && err.code == ERR_INPUT,
        "another job's film is refused: %s", err.text);
+    other = expect(&c.row);
+    other.row.layers ^= LAYER_NORMAL;
+    ok(!checkpoint_read(&other, path_of("film"), &err) && err.code == ERR_INPUT,
+       "one with other layers is refused: %s", err.text);
     other = expect(&c.row);
     other.row.target.spp = 16; /* merged passes beyond the job's end */
     ok(!checkpoint_read(&other, path_of("film"), &err) && err.code == ERR_INPUT,
@@ -226,7 +265,7 @@ static void broken_films(void)
 {
     struct err err;
     struct buf bytes = {0};
-    struct checkpoint c = made();
+    struct checkpoint c = made(LAYER_DEPTH);
     if (!checkpoint_write(&c, path_of("film"), &err) ||
         !buf_read_file(&bytes, path_of("film"), 1 << 24, &err)) {
         ok(false, "%s", err.text);
@@ -328,8 +367,10 @@ int main(void)
     if (!mkdtemp(dir))
         return 1;
     rows();
+    former_version();
     damaged();
-    films();
+    films(0);
+    films(LAYER_POSITION | 2 << 8);
     broken_films();
     files();
     full_disk();

@@ -9,7 +9,7 @@
 
 #include "tests/tap.h"
 
-static struct wire_samples message(struct arena *arena, bool flat)
+static struct wire_samples message(struct arena *arena, bool flat, uint32_t layers)
 {
     const struct tile_rect r = {64, 32, 64 + 20, 32 + 10};
     struct wire_samples w = {
@@ -23,6 +23,9 @@ static struct wire_samples message(struct arena *arena, bool flat)
     film_samples_note_invalid(&w.samples, (struct film_key){83, 41, 31});
     for (uint32_t i = 0; i < tile_rect_pixels(r) * FILM_CHANNELS; i++)
         w.samples.sums[i] = flat ? 0.25f : (float)(i * 2654435761u >> 8) * 0x1p-20f;
+    film_samples_add_layers(&w.samples, layers, arena);
+    for (uint32_t i = 0; i < tile_rect_pixels(r) * layers_channels(layers); i++)
+        w.samples.layer_sums[i] = (float)i - 100;
     return w;
 }
 
@@ -33,21 +36,28 @@ static bool same(const struct wire_samples *a, const struct wire_samples *b)
            a->cpu_us == b->cpu_us && !memcmp(&s->rect, &t->rect, sizeof s->rect) &&
            !memcmp(&s->pass, &t->pass, sizeof s->pass) && s->invalid_count == t->invalid_count &&
            s->key_count == t->key_count && !memcmp(s->keys, t->keys, sizeof s->keys) &&
-           !memcmp(s->sums, t->sums,
-                   tile_rect_pixels(s->rect) * FILM_CHANNELS * sizeof *s->sums);
+           s->layers == t->layers &&
+           !memcmp(s->sums, t->sums, tile_rect_pixels(s->rect) * FILM_CHANNELS * sizeof *s->sums) &&
+           (!s->layers ||
+            !memcmp(s->layer_sums, t->layer_sums,
+                    tile_rect_pixels(s->rect) * layers_channels(s->layers) * sizeof(float)));
 }
 
-static void round_trip(bool flat)
+static const uint32_t some_layers = LAYER_NORMAL | LAYER_DEPTH | 2 << 8;
+
+static void round_trip(bool flat, uint32_t layers)
 {
     struct arena arena = {0};
     struct buf b = {0};
     struct err err;
-    const struct wire_samples w = message(&arena, flat);
+    const struct wire_samples w = message(&arena, flat, layers);
     struct wire_samples back;
     wire_encode(&w, &b);
     ok(wire_decode(&back, b.data, b.size, &arena, &err) && same(&w, &back),
-       "%s samples come back as they were", flat ? "flat" : "noisy");
-    const size_t raw = WIRE_HEADER_BYTES + WIRE_BODY_FIXED_BYTES + 2 * 12 + 20 * 10 * 96;
+       "%s samples%s come back as they were", flat ? "flat" : "noisy",
+       layers ? " with layers" : "");
+    const size_t raw = WIRE_HEADER_BYTES + WIRE_BODY_FIXED_BYTES + (layers ? 4 : 0) + 2 * 12 +
+                       20 * 10 * (96 + 4 * layers_channels(layers));
     ok(flat ? b.size < raw / 10 : b.size == raw, "%s samples take %zu bytes",
        flat ? "flat" : "noisy", b.size);
     buf_release(&b);
@@ -56,14 +66,14 @@ static void round_trip(bool flat)
 
 /* tests/golden/NAME, made once by the first version that spoke it. SMALTI_WRITE_GOLDEN=1 makes a
  * missing one; an existing one is never touched. */
-static void golden(const char *name, bool flat)
+static void golden(const char *name, bool flat, uint32_t layers)
 {
     char path[200];
     snprintf(path, sizeof path, "tests/golden/%s", name);
     struct arena arena = {0};
     struct buf b = {0}, file = {0};
     struct err err;
-    const struct wire_samples w = message(&arena, flat);
+    const struct wire_samples w = message(&arena, flat, layers);
     if (getenv("SMALTI_WRITE_GOLDEN")) {
         wire_encode(&w, &b);
         FILE *f = fopen(path, "wxb");
@@ -108,8 +118,7 @@ static void refuses(const char *what, struct wire_samples w)
     struct err err = {0};
     struct wire_samples back;
     wire_encode(&w, &b);
-    ok(!wire_decode(&back, b.data, b.size, &arena, &err) && err.code == ERR_PROTOCOL &&
-           err.text[0],
+    ok(!wire_decode(&back, b.data, b.size, &arena, &err) && err.code == ERR_PROTOCOL && err.text[0],
        "refuses %s", what);
     buf_release(&b);
     arena_release(&arena);
@@ -118,7 +127,7 @@ static void refuses(const char *what, struct wire_samples w)
 static void refuses_lies(void)
 {
     struct arena arena = {0};
-    const struct wire_samples good = message(&arena, false);
+    const struct wire_samples good = message(&arena, false, 0);
     struct wire_samples w = good;
     w.samples.pass = (struct tile_pass){32, 32};
     refuses("an empty sample range", w);
@@ -136,19 +145,27 @@ static void refuses_lies(void)
     refuses("a key outside the pass", w);
     static const float bad[] = {NAN, INFINITY, -1};
     for (size_t i = 0; i < countof(bad); i++) {
-        w = message(&arena, false);
+        w = message(&arena, false, 0);
         w.samples.sums[4799] = bad[i];
         refuses(i == 0 ? "NaN" : i == 1 ? "infinity" : "a negative sum", w);
     }
+    w = message(&arena, false, some_layers);
+    w.samples.layer_sums[1] = NAN;
+    refuses("a layer that is not a number", w);
+    w = message(&arena, false, some_layers);
+    w.samples.layers = some_layers | 1 << 6;
+    refuses("a layer that nobody knows", w);
     arena_release(&arena);
 }
 
 int main(void)
 {
-    round_trip(false);
-    round_trip(true);
-    golden("samples-v1-raw.bin", false);
-    golden("samples-v1-deflated.bin", true);
+    round_trip(false, 0);
+    round_trip(true, 0);
+    round_trip(false, some_layers);
+    golden("samples-v1-raw.bin", false, 0);
+    golden("samples-v1-deflated.bin", true, 0);
+    golden("samples-v2-raw.bin", false, some_layers);
     refuses_lies();
     return tap_done();
 }

@@ -26,6 +26,7 @@ int main(int argc, char **argv)
         .samples = film_samples_make((struct tile_rect){n[2], n[3], n[4], n[5]},
                                      (struct tile_pass){n[6], n[7]}, &l.arena),
     };
+    film_samples_add_layers(&w.samples, l.stage->film.layers, &l.arena);
     render_tile(l.stage, &w.samples);
     struct buf out = {0};
     wire_encode(&w, &out);

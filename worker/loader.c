@@ -10,6 +10,7 @@
 
 #include "common/clock.h"
 #include "common/http_client.h"
+#include "common/image_asset.h"
 #include "common/log.h"
 #include "common/mesh.h"
 #include "common/http_problem.h"
@@ -132,6 +133,22 @@ static bool load_meshes(struct loader *l, struct load *load, struct workshop *w,
     return true;
 }
 
+static bool load_images(struct loader *l, struct load *load, struct workshop *w,
+                        struct scene *scene)
+{
+    for (uint32_t i = 0; i < scene->image_count; i++) {
+        struct image_asset *image = &scene->images[i];
+        buf_release(&w->bytes);
+        if (!get_asset(l, image->asset, ASSET_MAX_BYTES, &w->bytes, &load->err))
+            return fault(load, "worker");
+        if (!image_asset_read(image, w->bytes.data, w->bytes.size, &w->scene, &load->err)) {
+            err_at(&load->err, "asset %s", image->asset);
+            return fault(load, "input");
+        }
+    }
+    return true;
+}
+
 /* Where the time went, and how the scene came to be here. */
 struct story {
     const char *how; /* "mapped": it was in the cache; "prepared": now it is; "private" */
@@ -145,8 +162,8 @@ static int64_t lap(int64_t *last_ms)
     return lap_ms;
 }
 
-/* What preparing took and gave back, the system gets, too: glibc else keeps a hundred megabytes of it, in
- * pieces, for each worker that prepares a large scene. */
+/* What preparing took and gave back, the system gets, too: glibc else keeps a hundred megabytes of
+ * it, in pieces, for each worker that prepares a large scene. */
 static void give_back_memory(void)
 {
 #ifdef __GLIBC__
@@ -162,7 +179,8 @@ static bool prepare(struct loader *l, struct load *load, struct story *story, in
         err_set(&load->err, ERR_IO, "the worker stops");
         return fault(load, "worker");
     }
-    bool good = load_document(l, load, &w, &scene) && load_meshes(l, load, &w, &scene);
+    bool good = load_document(l, load, &w, &scene) && load_meshes(l, load, &w, &scene) &&
+                load_images(l, load, &w, &scene);
     buf_release(&w.bytes);
     story->load_ms = lap(last_ms);
     struct team team = {.threads = l->threads};

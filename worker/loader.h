@@ -1,5 +1,5 @@
 /* loader.h - a thread that turns a document's hash into a stage: maps what the cache has, else
- * fetches, parses, reads the meshes, prepares, and leaves it in the cache for all.
+ * fetches, parses, reads the meshes and images, prepares, and leaves it in the cache for all.
  *
  * One after the other, so a scene is prepared once however many passes wait for it, and renewals
  * go on meanwhile on the main thread. Assets come from the disk cache or the coordinator; while

@@ -34,6 +34,7 @@ static void render(struct pass *pass, struct arena *scratch)
     const int64_t begin_us = clock_thread_cpu_us();
     const struct tile_rect rect = pass->lease.rect;
     struct film_samples samples = film_samples_make(rect, pass->lease.pass, scratch);
+    film_samples_add_layers(&samples, pass->stage->film.layers, scratch);
     for (uint32_t y = rect.y_begin; y < rect.y_end; y++) {
         if (atomic_load_explicit(&pass->abandon, memory_order_relaxed))
             return;

@@ -3,6 +3,7 @@
 
 #include "common/trace/bsdf_conductor.h"
 #include "common/trace/bsdf_glass.h"
+#include "common/trace/bsdf_metal.h"
 #include "common/trace/fresnel.h"
 #include "common/trace/local.h"
 #include "common/trace/warp.h"
@@ -67,6 +68,8 @@ rgb bsdf_eval(const struct material *m, vec3 wo, vec3 wi)
         return m->diffuse.albedo * warp_cosine_pdf_w(wi[2]);
     case MATERIAL_CONDUCTOR:
         return bsdf_conductor_eval(m, wo, wi);
+    case MATERIAL_METAL:
+        return bsdf_metal_eval(m, wo, wi);
     case MATERIAL_MIRROR:
     case MATERIAL_DIELECTRIC:
         break;
@@ -91,6 +94,8 @@ float bsdf_pdf_w(const struct material *m, vec3 wo, vec3 wi)
         return warp_cosine_pdf_w(wi[2]);
     case MATERIAL_CONDUCTOR:
         return bsdf_conductor_pdf_w(m, wo, wi);
+    case MATERIAL_METAL:
+        return bsdf_metal_pdf_w(m, wo, wi);
     case MATERIAL_MIRROR:
     case MATERIAL_DIELECTRIC:
         break;
@@ -99,7 +104,7 @@ float bsdf_pdf_w(const struct material *m, vec3 wo, vec3 wi)
 }
 
 /* Of an opaque material, seen from its front. */
-static bool opaque_sample(const struct material *m, vec3 wo, struct square direction,
+static bool opaque_sample(const struct material *m, vec3 wo, float lobe, struct square direction,
                           struct bsdf_sample *s)
 {
     switch (m->kind) {
@@ -109,6 +114,8 @@ static bool opaque_sample(const struct material *m, vec3 wo, struct square direc
         return mirror_sample(m, wo, s);
     case MATERIAL_CONDUCTOR:
         return bsdf_conductor_sample(m, wo, direction, s);
+    case MATERIAL_METAL:
+        return bsdf_metal_sample(m, wo, lobe, direction, s);
     case MATERIAL_DIELECTRIC:
         break;
     }
@@ -125,8 +132,8 @@ bool bsdf_sample(const struct material *m, vec3 wo, float lobe, struct square di
         return bsdf_is_delta(m) ? dielectric_sample(m, wo, lobe, s)
                                 : bsdf_glass_sample(m, wo, lobe, direction, s);
     if (wo[2] > 0)
-        return opaque_sample(m, wo, direction, s);
-    if (!opaque_sample(m, local_flip(wo), direction, s))
+        return opaque_sample(m, wo, lobe, direction, s);
+    if (!opaque_sample(m, local_flip(wo), lobe, direction, s))
         return false;
     s->wi = local_flip(s->wi);
     return true;

@@ -1,7 +1,8 @@
 /* bsdf.h - how a surface scatters: eval, sample, pdf.
  *
  * Directions are local and unit: z is the geometric normal of the front side (shading normals do
- * not exist yet), wo and wi point away from the surface, and either may lie below it.
+ * not exist yet), wo and wi point away from the surface, and either may lie below it. Only metal
+ * with two widths looks at what x and y are.
  * Opaque materials look the same from both sides. Only radiance is transported, towards
  * the camera.
  *
@@ -41,6 +42,8 @@ static inline bool bsdf_is_delta(const struct material *m)
                m->dielectric.alpha * (m->dielectric.ior - 1) < BSDF_LEAST_ALPHA;
     case MATERIAL_CONDUCTOR:
         return m->conductor.alpha < BSDF_LEAST_ALPHA;
+    case MATERIAL_METAL:
+        return m->metal.alpha_x < BSDF_LEAST_ALPHA && m->metal.alpha_y < BSDF_LEAST_ALPHA;
     }
     __builtin_unreachable();
 }
@@ -48,13 +51,22 @@ static inline bool bsdf_is_delta(const struct material *m)
 /* Whether light stays on the side from which it came. */
 static inline bool bsdf_is_opaque(const struct material *m)
 {
-    return m->kind != MATERIAL_DIELECTRIC;
+    switch (m->kind) {
+    case MATERIAL_DIFFUSE:
+    case MATERIAL_MIRROR:
+    case MATERIAL_CONDUCTOR:
+    case MATERIAL_METAL:
+        return true;
+    case MATERIAL_DIELECTRIC:
+        return false;
+    }
+    __builtin_unreachable();
 }
 
 /* Whether sampling chooses among kinds of scattering: else bsdf_sample does not look at `lobe`. */
 static inline bool bsdf_has_lobes(const struct material *m)
 {
-    return m->kind == MATERIAL_DIELECTRIC;
+    return m->kind == MATERIAL_DIELECTRIC || m->kind == MATERIAL_METAL;
 }
 
 /* f |wi.z|. */

@@ -70,11 +70,12 @@ _Static_assert(sizeof(struct stage_block) == 5 * BVH_LINE, "five cache lines");
 bool bvh_hit_closest(const struct stage *, const struct ray *, struct ray_hit *);
 bool bvh_hit_any(const struct stage *, const struct ray *);
 
-/* The same of up to eight rays, for less: bit i of what is returned: ray i hits something, and
- * hits[i] says what; the others are not written. */
-uint32_t bvh_hit_closest_8(const struct stage *, const struct ray rays[], uint32_t count,
+/* The same of up to eight rays, for less: those whose bit is set in `which`; the others need not be
+ * there. Bit i of what is returned: ray i hits something, and hits[i] says what; the other hits are
+ * not written. */
+uint32_t bvh_hit_closest_8(const struct stage *, uint32_t which, const struct ray rays[],
                            struct ray_hit hits[]);
-uint32_t bvh_hit_any_8(const struct stage *, const struct ray rays[], uint32_t count);
+uint32_t bvh_hit_any_8(const struct stage *, uint32_t which, const struct ray rays[]);
 
 /* The hit of one primitive alone, the one that hit->prim, place and instance name; t, u and v are
  * written. */

@@ -18,14 +18,15 @@ struct batch {
 };
 
 /* False: one is no ray, or numbers are too large, or there is nothing to hit. */
-static bool batch_init(struct batch *b, const struct stage *s, const struct ray rays[],
-                       uint32_t count)
+static bool batch_init(struct batch *b, const struct stage *s, uint32_t which,
+                       const struct ray rays[])
 {
+    const uint32_t first = (uint32_t)__builtin_ctz(which); /* in the place of those not there */
     vec3 origin[8], dir[8];
     f32x8 o[3], d[3];
     struct tri_rays tri;
     for (uint32_t i = 0; i < 8; i++) {
-        const struct ray *ray = &rays[i < count ? i : 0];
+        const struct ray *ray = &rays[which >> i & 1 ? i : first];
         origin[i] = ray->origin;
         dir[i] = ray->dir;
     }
@@ -36,7 +37,7 @@ static bool batch_init(struct batch *b, const struct stage *s, const struct ray 
     bool valid = bvh_root(s, 0) != bvh_ref_make(BVH_NOTHING, 0);
     for (uint32_t i = 0; i < 8; i++) {
         struct bvh_query *q = &b->query[i];
-        const struct ray *ray = &rays[i < count ? i : 0];
+        const struct ray *ray = &rays[which >> i & 1 ? i : first];
         q->stage = s;
         q->first = stage_at(s, s->nodes);
         q->tri = (struct tri_ray){ray, tri.row[i], tri.at[i], tri.shear[i]};
@@ -45,7 +46,7 @@ static bool batch_init(struct batch *b, const struct stage *s, const struct ray 
         b->t[i] = q->t_max;
         valid = valid && bvh_is_ray(ray) && q->tri.shear[2] == 1;
     }
-    b->rays = (1u << count) - 1;
+    b->rays = which;
     b->found = 0;
     return valid && box8_fan_init(&b->fan, &b->box);
 }
@@ -162,14 +163,15 @@ static inline __attribute__((always_inline)) void walk_together(struct batch *b,
 
 /* Whether the directions have the same signs and are near each other: else there is little to
  * share, and what follows is not worth its price. */
-static inline bool agree(const struct ray rays[], uint32_t count)
+static inline bool agree(uint32_t which, const struct ray rays[])
 {
-    if (count <= BATCH_FEW) /* or there is none at all */
+    if (__builtin_popcount(which) <= BATCH_FEW) /* or there is none at all */
         return false;
-    const vec3 none = {0}, first = rays[0].dir;
+    const vec3 none = {0}, first = rays[__builtin_ctz(which)].dir;
     const uint32_t signs = i32x4_mask(first < none) & 7;
     vec3 apart = none;
-    for (uint32_t i = 1; i < count; i++) {
+    for (which &= which - 1; which; which &= which - 1) {
+        const uint32_t i = (uint32_t)__builtin_ctz(which);
         if ((i32x4_mask(rays[i].dir < none) & 7) != signs)
             return false;
         apart = vec3_max(vec3_abs(rays[i].dir - first), apart);
@@ -179,10 +181,11 @@ static inline bool agree(const struct ray rays[], uint32_t count)
 
 /* One by one, without a call for each. */
 static __attribute__((noinline)) uint32_t
-alone_closest(const struct stage *s, const struct ray rays[], uint32_t count, struct ray_hit hits[])
+alone_closest(const struct stage *s, uint32_t which, const struct ray rays[], struct ray_hit hits[])
 {
     uint32_t found = 0;
-    for (uint32_t i = 0; i < count; i++) {
+    for (; which; which &= which - 1) {
+        const uint32_t i = (uint32_t)__builtin_ctz(which);
         struct bvh_best best;
         if (!bvh_ask(s, &rays[i], false, &best))
             continue;
@@ -192,11 +195,12 @@ alone_closest(const struct stage *s, const struct ray rays[], uint32_t count, st
     return found;
 }
 
-static __attribute__((noinline)) uint32_t alone_any(const struct stage *s, const struct ray rays[],
-                                                    uint32_t count)
+static __attribute__((noinline)) uint32_t alone_any(const struct stage *s, uint32_t which,
+                                                    const struct ray rays[])
 {
     uint32_t found = 0;
-    for (uint32_t i = 0; i < count; i++) {
+    for (; which; which &= which - 1) {
+        const uint32_t i = (uint32_t)__builtin_ctz(which);
         struct bvh_best best;
         found |= (uint32_t)bvh_ask(s, &rays[i], true, &best) << i;
     }
@@ -205,45 +209,47 @@ static __attribute__((noinline)) uint32_t alone_any(const struct stage *s, const
 
 /* False: they have to go one by one. */
 static inline __attribute__((always_inline)) bool
-batch_go(struct batch *b, const struct stage *s, const struct ray rays[], uint32_t count, bool any)
+batch_go(struct batch *b, const struct stage *s, uint32_t which, const struct ray rays[], bool any)
 {
-    if (!batch_init(b, s, rays, count))
+    if (!batch_init(b, s, which, rays))
         return false;
     walk_together(b, bvh_root(s, 0), any);
     return true;
 }
 
-static __attribute__((noinline)) uint32_t together_closest(const struct stage *s,
-                                                           const struct ray rays[], uint32_t count,
+static __attribute__((noinline)) uint32_t together_closest(const struct stage *s, uint32_t which,
+                                                           const struct ray rays[],
                                                            struct ray_hit hits[])
 {
     struct batch b;
     uint32_t found = 0;
-    if (!batch_go(&b, s, rays, count, false))
-        return alone_closest(s, rays, count, hits);
-    for (uint32_t i = 0; i < count; i++)
-        if (b.best[i].prim != STAGE_NONE) {
-            bvh_best_tell(&b.best[i], &hits[i]);
-            found |= 1u << i;
-        }
+    if (!batch_go(&b, s, which, rays, false))
+        return alone_closest(s, which, rays, hits);
+    for (; which; which &= which - 1) {
+        const uint32_t i = (uint32_t)__builtin_ctz(which);
+        if (b.best[i].prim == STAGE_NONE)
+            continue;
+        bvh_best_tell(&b.best[i], &hits[i]);
+        found |= 1u << i;
+    }
     return found;
 }
 
-static __attribute__((noinline)) uint32_t together_any(const struct stage *s,
-                                                       const struct ray rays[], uint32_t count)
+static __attribute__((noinline)) uint32_t together_any(const struct stage *s, uint32_t which,
+                                                       const struct ray rays[])
 {
     struct batch b;
-    return batch_go(&b, s, rays, count, true) ? b.found : alone_any(s, rays, count);
+    return batch_go(&b, s, which, rays, true) ? b.found : alone_any(s, which, rays);
 }
 
-uint32_t bvh_hit_closest_8(const struct stage *s, const struct ray rays[], uint32_t count,
+uint32_t bvh_hit_closest_8(const struct stage *s, uint32_t which, const struct ray rays[],
                            struct ray_hit hits[])
 {
-    return agree(rays, count) ? together_closest(s, rays, count, hits)
-                              : alone_closest(s, rays, count, hits);
+    return agree(which, rays) ? together_closest(s, which, rays, hits)
+                              : alone_closest(s, which, rays, hits);
 }
 
-uint32_t bvh_hit_any_8(const struct stage *s, const struct ray rays[], uint32_t count)
+uint32_t bvh_hit_any_8(const struct stage *s, uint32_t which, const struct ray rays[])
 {
-    return agree(rays, count) ? together_any(s, rays, count) : alone_any(s, rays, count);
+    return agree(which, rays) ? together_any(s, which, rays) : alone_any(s, which, rays);
 }

@@ -49,4 +49,30 @@ static inline void fmath_sincos_turns(float u, float *s, float *c)
     fmath_sincos_quarters((4 * u - (float)k) * FMATH_HALF_PI, k, s, c);
 }
 
+/* The angle of (x, y) from the x axis, in [-pi, pi]; 0 of (0, 0). In double, rounded once: atan r =
+ * r + r^3 P(r^2) for |r| <= tan(pi/8), P interpolated at the Chebyshev nodes; beyond, pi/4 is taken
+ * away. The sign of zero means nothing. */
+static inline float fmath_atan2(float y, float x)
+{
+    const double a = x < 0 ? -(double)x : (double)x, b = y < 0 ? -(double)y : (double)y;
+    if (!(a + b > 0))
+        return 0;
+    double r = a < b ? a / b : b / a, angle = 0;
+    if (r > 0.41421356237309503) {
+        angle = 0.78539816339744831;
+        r = (r - 1) / (r + 1);
+    }
+    const double z = r * r;
+    angle +=
+        r +
+        r * z *
+            (-0.333333332792548 +
+             z * (0.19999977258687 +
+                  z * (-0.14284151193629 +
+                       z * (0.11071365021885 + z * (-0.086246761452495 + z * 0.050481385120797)))));
+    angle = a < b ? 1.5707963267948966 - angle : angle;
+    angle = x < 0 ? 3.1415926535897932 - angle : angle;
+    return (float)(y < 0 ? -angle : angle);
+}
+
 #endif

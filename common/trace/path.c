@@ -4,6 +4,7 @@
 #include "common/trace/bsdf.h"
 #include "common/trace/bvh.h"
 #include "common/trace/light.h"
+#include "common/trace/light8.h"
 #include "common/trace/warp.h"
 
 /* The power heuristic with exponent 2 for the technique of density a beside one of density b. As a
@@ -28,6 +29,15 @@ static float survival(float share)
     return q < 1 ? q : 1;
 }
 
+/* What surface.lit is, as far as anybody asks: the tree of lights. up: of the way out, over the
+ * geometric surface. */
+static float lit_side(const struct stage *s, const struct material *m, float up)
+{
+    if (!s->light_nodes.count || !bsdf_is_opaque(m))
+        return 0;
+    return up < 0 ? -1 : 1;
+}
+
 static struct path_vertex vertex_make(const struct stage *s, const struct ray *ray,
                                       const struct ray_hit *hit)
 {
@@ -39,8 +49,7 @@ static struct path_vertex vertex_make(const struct stage *s, const struct ray *r
         .material = (const struct material *)stage_at(s, s->materials) + at.material,
         .wo = warp_to_local(&frame, -ray->dir),
     };
-    if (s->light_nodes.count && bsdf_is_opaque(v.material))
-        v.at.lit = v.wo[2] < 0 ? -1 : 1;
+    v.at.lit = lit_side(s, v.material, -vec3_dot(ray->dir, at.ng));
     return v;
 }
 
@@ -65,22 +74,55 @@ static rgb emission(const struct stage *s, const struct path_vertex *v)
     return vec3_load(((const struct emitter *)stage_at(s, s->emitters))[v->at.emitter].radiance);
 }
 
-void path_begin(const struct stage *s, const struct ray rays[], uint32_t count,
-                struct path_start starts[])
+static rgb emission_of_lane(const struct stage *s, const struct path8_vertex *v, uint32_t i)
+{
+    if (!(v->shining >> i & 1))
+        return (rgb){0, 0, 0, 0};
+    return vec3_load(((const struct emitter *)stage_at(s, s->emitters))[v->emitter[i]].radiance);
+}
+
+/* The vertex of a lane, alone. */
+static struct path_vertex vertex_of_lane(const struct stage *s, const struct path8_vertex *v,
+                                         uint32_t i)
+{
+    const vec3 ng = vec8_lane(&v->at.ng, i), wo = vec8_lane(&v->wo, i);
+    const struct material *m = (const struct material *)stage_at(s, s->materials) + v->material[i];
+    const struct surface at = {.p = vec8_lane(&v->at.p, i),
+                               .p_error = vec8_lane(&v->at.p_error, i),
+                               .ng = ng,
+                               .prim = v->at.prim[i],
+                               .material = v->material[i],
+                               .emitter = v->emitter[i],
+                               .lit = lit_side(s, m, wo[2])};
+    return (struct path_vertex){.at = at, .frame = warp_frame_make(ng), .material = m, .wo = wo};
+}
+
+void path_begin(const struct stage *s, uint32_t which, const struct ray rays[],
+                struct path_starts *starts)
 {
     struct ray_hit hits[PATH_WAVE];
-    const uint32_t found = bvh_hit_closest_8(s, rays, count, hits);
-    for (uint32_t i = 0; i < count; i++) {
-        struct path_start *start = &starts[i];
-        start->ends = !(found >> i & 1);
-        if (start->ends) {
-            start->light = beyond(s, rays[i].dir, 0);
+    const uint32_t found = bvh_hit_closest_8(s, which, rays, hits);
+    starts->met = found;
+    starts->ends = s->settings.max_bounces == 0 ? which : which & ~found;
+    starts->plain = path8_arrive(s, found, rays, hits, &starts->lanes);
+    for (; which; which &= which - 1) {
+        const uint32_t i = (uint32_t)__builtin_ctz(which);
+        if (!(found >> i & 1)) {
+            starts->light[i] = beyond(s, rays[i].dir, 0);
             continue;
         }
-        start->vertex = vertex_make(s, &rays[i], &hits[i]);
-        start->light = emission(s, &start->vertex);
-        start->ends = s->settings.max_bounces == 0;
+        if (starts->plain >> i & 1) {
+            starts->light[i] = emission_of_lane(s, &starts->lanes, i);
+            continue;
+        }
+        starts->vertices[i] = vertex_make(s, &rays[i], &hits[i]);
+        starts->light[i] = emission(s, &starts->vertices[i]);
     }
+}
+
+struct path_vertex path_first(const struct stage *s, const struct path_starts *starts, uint32_t i)
+{
+    return starts->plain >> i & 1 ? vertex_of_lane(s, &starts->lanes, i) : starts->vertices[i];
 }
 
 /* --- paths in step --- */
@@ -94,49 +136,31 @@ struct path {
     struct path_vertex vertex;
 };
 
+/* By path: bit i and number i are path i's. */
 struct wave {
     const struct stage *stage;
     struct rng8 rng;
     uint32_t bounce, roulette_begin;
+    uint32_t going; /* paths that have a vertex to go on from */
+    uint32_t plain; /* where a path is: in lanes, or by itself */
+    struct path8 lanes;
     struct path paths[PATH_WAVE];
 
-    /* A bounce's random numbers, by path: made for all at once, which costs less than for two of
-     * them alone. */
+    /* A bounce's random numbers: made for all at once, which costs less than for two of them alone.
+     */
     struct sobol8_bits lamp;
     struct sobol8_square direction;
     f32x8 lobe, roulette;
 
-    uint32_t going; /* paths that have a next ray */
-    uint32_t path_of[PATH_WAVE];
     struct ray rays[PATH_WAVE];
 
-    uint32_t shadow_count; /* light that arrives if nothing is in its way */
-    uint32_t shadow_path[PATH_WAVE];
+    uint32_t lit; /* light arrives if nothing is in its way */
     struct ray shadows[PATH_WAVE];
     rgb light[PATH_WAVE];
 };
 
-/* Which of many lights is sampled, by path. */
-static void pick_lights(const struct wave *w, struct light_pick picks[PATH_WAVE])
-{
-    const struct surface *from[PATH_WAVE];
-    uint32_t path_of[PATH_WAVE], bits[PATH_WAVE], count = 0;
-    struct light_pick found[PATH_WAVE];
-    for (uint32_t i = 0; i < w->going; i++) {
-        const uint32_t path = w->path_of[i];
-        const struct path_vertex *v = &w->paths[path].vertex;
-        if (bsdf_is_delta(v->material))
-            continue;
-        from[count] = &v->at;
-        bits[count] = w->lamp.u[path];
-        path_of[count++] = path;
-    }
-    light_pick(w->stage, from, bits, count, found);
-    for (uint32_t i = 0; i < count; i++)
-        picks[path_of[i]] = found[i];
-}
-
-/* Light that may reach the vertex from one chosen emitter and goes on to wo, MIS-weighted. */
+/* Light that may reach the vertex from one chosen emitter and goes on to wo, MIS-weighted. pick:
+ * the choice; NULL: it is still to be made. */
 static void light_directly(struct wave *w, uint32_t path, const struct light_pick *pick)
 {
     const struct stage *s = w->stage;
@@ -157,13 +181,13 @@ static void light_directly(struct wave *w, uint32_t path, const struct light_pic
     f *= light.value;
     if (light.pdf_w != 0)
         f *= mis_weight(light.pdf_w, bsdf_pdf_w(m, v->wo, wi));
-    w->shadow_path[w->shadow_count] = path;
-    w->shadows[w->shadow_count] = light.shadow;
-    w->light[w->shadow_count++] = p->throughput * f;
+    w->lit |= 1u << path;
+    w->shadows[path] = light.shadow;
+    w->light[path] = p->throughput * f;
 }
 
 /* The next ray; false: there is none. */
-static bool scatter(struct wave *w, uint32_t path, struct ray *ray)
+static bool scatter(struct wave *w, uint32_t path)
 {
     struct path *p = &w->paths[path];
     const struct path_vertex *v = &p->vertex;
@@ -187,37 +211,35 @@ static bool scatter(struct wave *w, uint32_t path, struct ray *ray)
             p->throughput /= q;
         }
     }
-    *ray = surface_leave(&v->at, dir);
+    w->rays[path] = surface_leave(&v->at, dir);
     return true;
 }
 
-/* The next vertex, or the sky. False: the path ends there. */
-static bool arrive(struct wave *w, uint32_t path, const struct ray *ray, const struct ray_hit *hit)
+/* What the vertex emits, found by the BSDF's sampling from there; a delta lobe's by nothing else.
+ */
+static void find_emission(const struct stage *s, struct path *p, const struct surface *from)
 {
-    const struct stage *s = w->stage;
-    struct path *p = &w->paths[path];
-    if (!hit) {
-        p->light += p->throughput * beyond(s, ray->dir, p->pdf_w);
-        return false;
-    }
-    const struct surface from = p->vertex.at;
-    p->vertex = vertex_make(s, ray, hit);
-
-    /* Emission found by the BSDF's sampling; a delta lobe's by nothing else */
     const rgb found = emission(s, &p->vertex);
-    if (!rgb_is_black(found)) {
-        const float weight =
-            p->pdf_w == 0 ? 1 : mis_weight(p->pdf_w, light_pdf_w(s, &from, &p->vertex.at));
-        p->light += p->throughput * found * weight;
-    }
-    return w->bounce + 1 < s->settings.max_bounces;
+    if (rgb_is_black(found))
+        return;
+    const float weight =
+        p->pdf_w == 0 ? 1 : mis_weight(p->pdf_w, light_pdf_w(s, from, &p->vertex.at));
+    p->light += p->throughput * found * weight;
+}
+
+static void arrive(struct wave *w, uint32_t path, const struct ray_hit *hit)
+{
+    struct path *p = &w->paths[path];
+    const struct surface from = p->vertex.at;
+    p->vertex = vertex_make(w->stage, &w->rays[path], hit);
+    find_emission(w->stage, p, &from);
 }
 
 static void draw(struct wave *w)
 {
     bool lobes = false;
-    for (uint32_t i = 0; i < w->going; i++)
-        lobes = lobes || bsdf_has_lobes(w->paths[w->path_of[i]].vertex.material);
+    for (uint32_t others = w->going & ~w->plain; others; others &= others - 1)
+        lobes = lobes || bsdf_has_lobes(w->paths[__builtin_ctz(others)].vertex.material);
     w->direction = rng8_pair(&w->rng, rng_dimension(w->bounce, RNG_BSDF_DIRECTION));
     if (w->stage->emitters.count > 0)
         w->lamp = rng8_pair_bits(&w->rng, rng_dimension(w->bounce, RNG_LIGHT));
@@ -227,58 +249,216 @@ static void draw(struct wave *w)
         w->roulette = rng8_single(&w->rng, rng_dimension(w->bounce, RNG_ROULETTE));
 }
 
-/* All paths from their vertices to the next ones. */
-static void wave_step(struct wave *w)
-{
-    uint32_t going = 0;
-    draw(w);
-    w->shadow_count = 0;
-    struct light_pick picks[PATH_WAVE];
-    const bool picked = w->stage->light_nodes.count > 0;
-    if (picked)
-        pick_lights(w, picks);
-    for (uint32_t i = 0; i < w->going; i++) {
-        const uint32_t path = w->path_of[i];
-        light_directly(w, path, picked ? &picks[path] : NULL);
-        w->path_of[going] = path;
-        going += scatter(w, path, &w->rays[going]);
-    }
-    const uint32_t dark = bvh_hit_any_8(w->stage, w->shadows, w->shadow_count);
-    for (uint32_t i = 0; i < w->shadow_count; i++)
-        if (!(dark >> i & 1))
-            w->paths[w->shadow_path[i]].light += w->light[i];
+/* --- paths in lanes --- */
 
-    struct ray_hit hits[PATH_WAVE];
-    const uint32_t found = bvh_hit_closest_8(w->stage, w->rays, going, hits);
-    w->going = 0;
-    for (uint32_t i = 0; i < going; i++) {
-        const uint32_t path = w->path_of[i];
-        w->path_of[w->going] = path;
-        w->going += arrive(w, path, &w->rays[i], found >> i & 1 ? &hits[i] : NULL);
+static struct path path_of_lane(const struct stage *s, const struct path8 *lanes, uint32_t i)
+{
+    return (struct path){.light = vec8_lane(&lanes->light, i),
+                         .throughput = vec8_lane(&lanes->throughput, i),
+                         .scale = lanes->scale[i],
+                         .pdf_w = lanes->pdf_w[i],
+                         .vertex = vertex_of_lane(s, &lanes->vertex, i)};
+}
+
+/* From the lanes to itself, and the reverse, with the vertex that it has come from. */
+static void leave_lanes(struct wave *w, uint32_t i)
+{
+    w->paths[i] = path_of_lane(w->stage, &w->lanes, i);
+    w->plain &= ~(1u << i);
+}
+
+static void enter_lanes(struct wave *w, uint32_t i)
+{
+    const struct path *p = &w->paths[i];
+    vec8_set_lane(&w->lanes.light, i, p->light);
+    vec8_set_lane(&w->lanes.throughput, i, p->throughput);
+    w->lanes.scale[i] = p->scale;
+    w->lanes.pdf_w[i] = p->pdf_w;
+    vec8_set_lane(&w->lanes.vertex.at.p, i, p->vertex.at.p);
+    if (w->stage->light_nodes.count) { /* what of the vertex the tree looks at */
+        vec8_set_lane(&w->lanes.vertex.at.ng, i, p->vertex.at.ng);
+        vec8_set_lane(&w->lanes.vertex.wo, i, p->vertex.wo);
+        w->lanes.vertex.material[i] = p->vertex.at.material;
     }
+    w->plain |= 1u << i;
+}
+
+static void add_light(struct wave *w, uint32_t lanes, struct vec8 light)
+{
+    w->lanes.light =
+        vec8_choose(i32x8_of_bits(lanes), vec8_add(w->lanes.light, light), w->lanes.light);
+}
+
+/* As find_emission, for a path whose next vertex is a lane of `at`. */
+static void find_emission_of_lane(struct wave *w, uint32_t i, const struct path8_vertex *at)
+{
+    struct path p = path_of_lane(w->stage, &w->lanes, i);
+    const struct surface from = p.vertex.at;
+    p.vertex = vertex_of_lane(w->stage, at, i);
+    find_emission(w->stage, &p, &from);
+    vec8_set_lane(&w->lanes.light, i, p.light);
+}
+
+/* --- all paths --- */
+
+/* Of many lights: the choices first, for all paths side by side. */
+static void light_by_tree(struct wave *w)
+{
+    const struct surface *from[PATH_WAVE];
+    uint32_t path_of[PATH_WAVE], bits[PATH_WAVE], count = 0;
+    struct light_pick picks[PATH_WAVE];
+    for (uint32_t lanes = w->going & w->plain; lanes; lanes &= lanes - 1) {
+        const uint32_t i = (uint32_t)__builtin_ctz(lanes);
+        w->paths[i] = path_of_lane(w->stage, &w->lanes, i);
+    }
+    for (uint32_t paths = w->going; paths; paths &= paths - 1) {
+        const uint32_t i = (uint32_t)__builtin_ctz(paths);
+        if (bsdf_is_delta(w->paths[i].vertex.material))
+            continue;
+        from[count] = &w->paths[i].vertex.at;
+        bits[count] = w->lamp.u[i];
+        path_of[count++] = i;
+    }
+    light_pick(w->stage, from, bits, count, picks);
+    for (uint32_t k = 0; k < count; k++)
+        light_directly(w, path_of[k], &picks[k]);
+}
+
+/* Bit i: path i goes on along rays[i]. */
+static uint32_t wave_scatter(struct wave *w)
+{
+    const struct stage *s = w->stage;
+    const uint32_t plain = w->going & w->plain;
+    const struct path8_draw draw = {
+        w->direction, w->bounce >= w->roulette_begin ? &w->roulette : NULL, w->bounce == 0};
+    struct vec8 light;
+    uint32_t next = 0, lit = 0;
+    w->lit = 0;
+    const bool many = s->light_nodes.count > 0;
+    if (many)
+        light_by_tree(w);
+    else if (plain && light8_can(s))
+        lit = plain & path8_light_directly(s, &w->lanes, &w->lamp, w->shadows, &light);
+    else if (s->emitters.count > 0)
+        for (uint32_t lanes = plain; lanes; lanes &= lanes - 1) {
+            const uint32_t i = (uint32_t)__builtin_ctz(lanes);
+            w->paths[i] = path_of_lane(w->stage, &w->lanes, i);
+            light_directly(w, i, NULL);
+        }
+    if (plain)
+        next = plain & path8_scatter(&w->lanes, &draw, w->rays);
+    for (uint32_t others = w->going & ~plain; others; others &= others - 1) {
+        const uint32_t i = (uint32_t)__builtin_ctz(others);
+        if (!many)
+            light_directly(w, i, NULL);
+        next |= (uint32_t)scatter(w, i) << i;
+    }
+    const uint32_t seen = ~bvh_hit_any_8(s, lit | w->lit, w->shadows);
+    if (lit & seen)
+        add_light(w, lit & seen, light);
+    for (uint32_t others = w->lit & seen; others; others &= others - 1) {
+        const uint32_t i = (uint32_t)__builtin_ctz(others);
+        if (plain >> i & 1)
+            vec8_set_lane(&w->lanes.light, i, vec8_lane(&w->lanes.light, i) + w->light[i]);
+        else
+            w->paths[i].light += w->light[i];
+    }
+    return next;
+}
+
+/* The sky, and what stands in it. */
+static void find_beyond(struct wave *w, uint32_t missed)
+{
+    const struct stage *s = w->stage;
+    uint32_t alone = missed;
+    if (s->beyond_begin == s->emitters.count && missed & w->plain) { /* the same for all of them */
+        const struct vec8 sky = {f32x8_splat(s->sky[0]), f32x8_splat(s->sky[1]),
+                                 f32x8_splat(s->sky[2])};
+        add_light(w, missed & w->plain, vec8_mul(w->lanes.throughput, sky));
+        alone &= ~w->plain;
+    }
+    for (; alone; alone &= alone - 1) {
+        const uint32_t i = (uint32_t)__builtin_ctz(alone);
+        if (w->plain >> i & 1)
+            leave_lanes(w, i);
+        struct path *p = &w->paths[i];
+        p->light += p->throughput * beyond(s, w->rays[i].dir, p->pdf_w);
+    }
+}
+
+/* The next vertices, or the sky, where a path ends. */
+static void wave_arrive(struct wave *w, uint32_t next)
+{
+    const struct stage *s = w->stage;
+    struct ray_hit hits[PATH_WAVE];
+    struct path8_vertex at;
+    const uint32_t found = bvh_hit_closest_8(s, next, w->rays, hits), missed = next & ~found;
+    find_beyond(w, missed);
+    const uint32_t plain = path8_arrive(s, found, w->rays, hits, &at);
+    for (uint32_t others = found & ~plain; others; others &= others - 1) {
+        const uint32_t i = (uint32_t)__builtin_ctz(others);
+        if (w->plain >> i & 1)
+            leave_lanes(w, i);
+        arrive(w, i, &hits[i]);
+    }
+    for (uint32_t others = plain & ~w->plain; others; others &= others - 1)
+        enter_lanes(w, (uint32_t)__builtin_ctz(others));
+    for (uint32_t lanes = plain & at.shining; lanes; lanes &= lanes - 1)
+        find_emission_of_lane(w, (uint32_t)__builtin_ctz(lanes), &at);
+    if (plain)
+        w->lanes.vertex = at;
+    w->going = w->bounce + 1 < s->settings.max_bounces ? found : 0;
     w->bounce++;
 }
 
-void path_radiance(const struct stage *s, const struct path_start starts[], const struct rng rngs[],
-                   uint32_t count, uint32_t roulette_begin, rgb radiance[])
+/* Of path i, found up to here. */
+static rgb wave_light(const struct wave *w, uint32_t i)
+{
+    return w->plain >> i & 1 ? vec8_lane(&w->lanes.light, i) : w->paths[i].light;
+}
+
+/* The terms from the bounces so far on: those that there are no more bounces for are like the last.
+ */
+static void note_terms(const struct wave *w, uint32_t which, struct path_terms *terms)
+{
+    const uint32_t end = w->going ? w->bounce + 1 : terms->count;
+    for (uint32_t k = w->bounce; k < end && k < terms->count; k++)
+        for (uint32_t i = 0; i < PATH_WAVE; i++)
+            if (which >> i & 1)
+                terms->light[k][i] = wave_light(w, i);
+}
+
+void path_radiance(const struct stage *s, uint32_t which, const struct path_starts *starts,
+                   const struct rng rngs[], uint32_t roulette_begin, struct path_terms *terms,
+                   rgb radiance[])
 {
     struct wave w;
     w.stage = s;
-    w.bounce = w.going = 0;
+    w.bounce = 0;
     w.roulette_begin = roulette_begin;
+    w.going = which & ~starts->ends;
+    w.plain = starts->plain;
     w.lobe = (f32x8){0};
-    rng8_make(&w.rng, rngs, count);
-    for (uint32_t i = 0; i < count; i++) {
-        struct path *p = &w.paths[i];
-        p->light = starts[i].light;
-        if (starts[i].ends)
-            continue;
-        p->throughput = (rgb){1, 1, 1, 0};
-        p->vertex = starts[i].vertex;
-        w.path_of[w.going++] = i;
+    rng8_make(&w.rng, rngs, 32 - (uint32_t)__builtin_clz(which));
+    w.lanes.light = vec8_gather(starts->light);
+    w.lanes.throughput = (struct vec8){f32x8_splat(1), f32x8_splat(1), f32x8_splat(1)};
+    w.lanes.vertex = starts->lanes;
+    for (uint32_t others = which & ~w.plain; others; others &= others - 1) {
+        const uint32_t i = (uint32_t)__builtin_ctz(others);
+        w.paths[i].light = starts->light[i];
+        w.paths[i].throughput = (rgb){1, 1, 1, 0};
+        if (w.going >> i & 1)
+            w.paths[i].vertex = starts->vertices[i];
     }
-    while (w.going)
-        wave_step(&w);
-    for (uint32_t i = 0; i < count; i++)
-        radiance[i] = w.paths[i].light;
+    for (;;) {
+        if (terms)
+            note_terms(&w, which, terms);
+        if (!w.going)
+            break;
+        draw(&w);
+        wave_arrive(&w, wave_scatter(&w));
+    }
+    for (uint32_t i = 0; i < PATH_WAVE; i++)
+        if (which >> i & 1)
+            radiance[i] = wave_light(&w, i);
 }

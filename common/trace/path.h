@@ -4,12 +4,14 @@
  * importance sampling (E. Veach, L. Guibas, "Optimally Combining Sampling Techniques for Monte
  * Carlo Rendering", SIGGRAPH 1995, power heuristic).
  *
- * Up to eight paths go in step, so that their rays are traced together (bvh_hit_closest_8). What
- * comes out for one does not depend on the others.
- * SPDX-License-Identifier: MIT */
+ * Up to eight paths go in step, so that their rays are traced together (bvh_hit_closest_8), and so
+ * that vertices that are alike are treated in the lanes of vectors (path8.h). What comes out for
+ * one does not depend on the others. SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_PATH_H
 #define COMMON_TRACE_PATH_H
 
+#include "common/layers.h"
+#include "common/trace/path8.h"
 #include "common/trace/ray.h"
 #include "common/trace/rng.h"
 #include "common/trace/stage.h"
@@ -28,20 +30,35 @@ struct path_vertex { /* where a ray has arrived */
     vec3 wo; /* where the ray came from; local */
 };
 
-struct path_start {            /* a camera ray: what a path and its sibling (rng.h) share */
-    rgb light;                 /* of the sky, or of the vertex itself */
-    bool ends;                 /* nothing else comes along the ray */
-    struct path_vertex vertex; /* where it is scattered, unless it ends */
+/* Camera rays: what paths and their siblings (rng.h) share. Bit i and number i are ray i's. */
+struct path_starts {
+    uint32_t met;         /* a surface: there is a vertex */
+    uint32_t ends;        /* nothing else comes along the ray */
+    uint32_t plain;       /* the vertex is in lanes */
+    rgb light[PATH_WAVE]; /* of the sky, or of the vertex itself */
+    struct path8_vertex lanes;
+    struct path_vertex vertices[PATH_WAVE]; /* those that are not plain */
 };
 
-/* The rays' directions: unit. */
-void path_begin(const struct stage *, const struct ray rays[], uint32_t count,
-                struct path_start starts[]);
+/* light[k][i]: of the light that path i finds, what was scattered at most k times. */
+struct path_terms {
+    uint32_t count; /* of those asked for */
+    rgb light[LAYERS_MAX_BOUNCES][PATH_WAVE];
+};
 
-/* radiance[i]: one unbiased estimate of what arrives along starts[i], with the numbers of rngs[i],
- * cut at settings.max_bounces scattering events. roulette_begin: the first bounce after which a
- * path may be ended by chance; UINT32_MAX for never. */
-void path_radiance(const struct stage *, const struct path_start starts[], const struct rng rngs[],
-                   uint32_t count, uint32_t roulette_begin, rgb radiance[]);
+/* The rays whose bit is set in `which`; their directions are unit. */
+void path_begin(const struct stage *, uint32_t which, const struct ray rays[],
+                struct path_starts *);
+
+/* Of one that met a surface. */
+struct path_vertex path_first(const struct stage *, const struct path_starts *, uint32_t i);
+
+/* radiance[i], for each bit of `which`: one unbiased estimate of what arrives along ray i, with the
+ * numbers of rngs[i], cut at settings.max_bounces scattering events. roulette_begin: the first
+ * bounce after which a path may be ended by chance; UINT32_MAX for never. terms: NULL, or their
+ * light is filled. */
+void path_radiance(const struct stage *, uint32_t which, const struct path_starts *,
+                   const struct rng rngs[], uint32_t roulette_begin, struct path_terms *terms,
+                   rgb radiance[]);
 
 #endif

@@ -4,25 +4,15 @@
 #include <assert.h>
 #include <string.h>
 
-#include "common/trace/fmath.h"
+#include "common/trace/light8.h"
 #include "common/trace/prep_plan.h"
 
-/* --- camera --- */
-
-static void aim_camera(struct prep_plan *p)
+/* A panorama looks everywhere: its depth is the distance. */
+static void set_view(struct stage_view *view, const struct scene_camera *c)
 {
-    const struct scene_film *film = &p->scene->film;
-    const struct xform *m = &p->scene->camera.to_world;
-    float sine, cosine;
-    fmath_sincos(p->scene->camera.fov_y_rad / 2, &sine, &cosine);
-    const float half_y = sine / cosine; /* of the image plane one metre ahead */
-    const float pixel = 2 * half_y / (float)film->height_px;
-    const float half_x = pixel * (float)film->width_px / 2;
-    struct stage_camera *c = &p->head.camera;
-    vec3_store(c->origin, xform_point(m, vec3_make(0, 0, 0)));
-    vec3_store(c->corner, xform_vector(m, vec3_make(-half_x, half_y, -1)));
-    vec3_store(c->dx, xform_vector(m, vec3_make(pixel, 0, 0)));
-    vec3_store(c->dy, xform_vector(m, vec3_make(0, -pixel, 0)));
+    vec3_store(view->position, xform_point(&c->to_world, vec3_make(0, 0, 0)));
+    if (c->kind != CAMERA_PANORAMIC)
+        vec3_store(view->direction, vec3_unit(xform_vector(&c->to_world, vec3_make(0, 0, -1))));
 }
 
 /* --- the block --- */
@@ -38,6 +28,7 @@ static void count_pieces(struct prep_plan *p)
     struct stage *head = &p->head;
     head->shapes.count = (uint64_t)p->scene->shape_count + 1;
     head->pick_cdf.count = head->emitters.count + 1;
+    head->lamps.count = light8_fit(p->emitters, head->emitters.count);
     head->materials.count = p->scene->material_count;
     head->trees.count = p->tree_count;
     for (uint32_t i = 0; i < p->tree_count; i++) {
@@ -64,6 +55,12 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->materials, p->scene->materials, sizeof *p->scene->materials},
         {&head->emitters, p->emitters, sizeof *p->emitters},
         {&head->pick_cdf, p->pick_cdf, sizeof *p->pick_cdf},
+        {&head->lamps, NULL, sizeof(struct stage_lamps)},
+        {&head->details, p->details, sizeof *p->details},
+        {&head->corners, NULL, sizeof(struct stage_corners)},
+        {&head->normals, NULL, sizeof(struct stage_normal)},
+        {&head->uvs, NULL, sizeof(struct stage_uv)},
+        {&head->colors, NULL, sizeof(struct stage_color)},
         {&head->spots, p->spots, sizeof *p->spots},
         {&head->light_nodes, p->light_nodes, sizeof *p->light_nodes},
         {&head->light_slots, p->light_slots, sizeof *p->light_slots},
@@ -163,12 +160,17 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
     p.head.settings = scene->settings;
     prep_shapes(&p, crew);
     prep_lights(&p, scratch);
-    aim_camera(&p);
-    const bool fits = check_lines(&p, err);
+    prep_camera(&p.head.camera, scene);
+    set_view(&p.head.view, &scene->camera);
+    const bool fits = prep_detail_plan(&p, scratch, err) && check_lines(&p, err);
     if (fits) {
         unsigned char *block = lay_out(&p, arena);
         write_trees(&p, block, crew);
+        prep_detail_write(&p, block);
         place_emitters(&p, (struct emitter *)(void *)(block + p.head.emitters.offset), scratch);
+        if (p.head.lamps.count)
+            light8_lamps((const struct stage *)(const void *)block,
+                         (struct stage_lamps *)(void *)(block + p.head.lamps.offset));
         *stage = (const struct stage *)(const void *)block;
     }
     for (uint32_t i = 0; i < p.tree_count; i++)

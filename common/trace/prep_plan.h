@@ -15,6 +15,13 @@ struct prep_tree {
     struct bvh_plan plan;
 };
 
+/* Where a mesh's triangles and vertices come to lie in the stage's arrays; STAGE_NONE: nowhere. */
+struct prep_mesh {
+    uint32_t corners; /* of all its triangles */
+    uint32_t in_tree; /* of those that its shared tree has kept, when these are not all */
+    uint32_t normals, uvs, colors;
+};
+
 /* Everything is copied into the block. Memory of the scratch arena. */
 struct prep_plan {
     const struct scene *scene;
@@ -30,6 +37,9 @@ struct prep_plan {
     struct emitter *emitters;
     double *power; /* of each emitter */
     float *pick_cdf;
+    struct stage_detail *details;
+    struct prep_mesh *detail_meshes;
+    uint32_t quad_uvs; /* as in struct prep_mesh */
     struct stage_spot *spots;
     struct stage_light_node *light_nodes; /* NULL: no tree */
     uint32_t *light_slots, *light_parents;
@@ -42,6 +52,35 @@ bool prep_plan_make(struct prep_plan *, const struct scene *, struct arena *scra
 /* Shapes -> primitives, emitters, and trees with their plans. The bounds of the scene are then
  * known. */
 void prep_shapes(struct prep_plan *, const struct crew *);
+
+/* Whether the shape is an instance: its triangles are those of its mesh's own tree. */
+bool prep_shape_is_shared(const struct prep_plan *, const struct shape *);
+
+/* --- prep_triangle.c: the triangles of quads and meshes, number i of them --- */
+
+enum prep_fate { PREP_KEPT, PREP_NONFINITE, PREP_DEGENERATE };
+
+enum prep_fate prep_triangle_make(const vec3 v[3], struct stage_triangle *, double *area);
+
+/* Whether the transform turns the winding. */
+bool prep_triangle_mirrored(const struct shape *);
+/* The numbers of a quad's corners, in the order in which they lie in the world. */
+void prep_triangle_quad(bool mirrored, uint32_t i, uint32_t v[3]);
+void prep_triangle_object(const struct mesh *, uint32_t i, vec3 v[3]);
+/* The front stays where the author put it: a mirroring transform turns the winding, so it is turned
+ * back. mesh: the shape's; NULL for a quad. */
+void prep_triangle_world(const struct mesh *, const struct shape *, bool mirrored, uint32_t i,
+                         vec3 v[3]);
+
+/* --- prep_detail.c --- */
+
+/* Once all shapes have their primitives: which of them have a detail, and where its parts will lie;
+ * then the parts. False: too many vertices. */
+bool prep_detail_plan(struct prep_plan *, struct arena *scratch, struct err *) MUST_CHECK;
+void prep_detail_write(const struct prep_plan *, unsigned char *block);
+
+/* Where the camera stands and how it maps the film. */
+void prep_camera(struct stage_camera *, const struct scene *);
 
 /* The document's lights -> emitters behind those of shapes; and the table by which one is picked, or
  * the tree if they are many. After prep_shapes: a distant light shines on what there is. */

@@ -51,6 +51,11 @@ static uint32_t tree_of(const struct prep_plan *p, const struct shape *s)
     return may_share(s) ? p->mesh_tree[s->mesh.mesh] : 0;
 }
 
+bool prep_shape_is_shared(const struct prep_plan *p, const struct shape *s)
+{
+    return tree_of(p, s) != 0;
+}
+
 static void tree_open(struct prep_tree *t, uint64_t triangles, uint64_t others,
                       struct arena *scratch)
 {
@@ -142,40 +147,14 @@ static uint32_t add_prim(struct prep_plan *p, uint32_t shape, struct stage_place
     return prim;
 }
 
-static bool is_finite3(const float v[3])
-{
-    return v[0] - v[0] == 0 && v[1] - v[1] == 0 && v[2] - v[2] == 0;
-}
-
-/* Twice the area, in double: exact enough to be 0 just for collinear vertices. */
-static double double_area(const struct stage_triangle *t)
-{
-    double a[3], b[3], sum = 0;
-    for (int k = 0; k < 3; k++) {
-        a[k] = (double)t->v[1][k] - (double)t->v[0][k];
-        b[k] = (double)t->v[2][k] - (double)t->v[0][k];
-    }
-    for (int k = 0; k < 3; k++) {
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
-        const double n = a[i] * b[j] - a[j] * b[i];
-        sum += n * n;
-    }
-    return __builtin_sqrt(sum);
-}
-
 /* False: not kept, but counted. Else the triangle is the tree's next one. */
 static bool add_triangle(struct prep_plan *p, struct prep_tree *tree, const vec3 v[3], double *area)
 {
     struct stage_triangle *t = &tree->triangles[tree->triangle_count];
-    for (int i = 0; i < 3; i++)
-        vec3_store(t->v[i], v[i]);
-    if (!is_finite3(t->v[0]) || !is_finite3(t->v[1]) || !is_finite3(t->v[2])) {
-        p->head.dropped_nonfinite++;
-        return false;
-    }
-    *area = double_area(t) / 2;
-    if (!(*area > 0)) {
-        p->head.dropped_degenerate++;
+    const enum prep_fate fate = prep_triangle_make(v, t, area);
+    if (fate != PREP_KEPT) {
+        p->head.dropped_nonfinite += fate == PREP_NONFINITE;
+        p->head.dropped_degenerate += fate == PREP_DEGENERATE;
         return false;
     }
     vec3 lo, hi;
@@ -194,43 +173,25 @@ static void add_world_triangle(struct prep_plan *p, uint32_t shape, const vec3 v
             add_prim(p, shape, (struct stage_place){STAGE_TRIANGLE, index & 0x1fffffff}, area);
 }
 
-static void mesh_vertices(const struct mesh *mesh, uint32_t triangle, vec3 v[3])
-{
-    for (size_t k = 0; k < 3; k++)
-        v[k] = vec3_load(mesh->vertices + 3 * (size_t)mesh->indices[3 * (size_t)triangle + k]);
-}
-
-static float determinant(const struct xform *x)
-{
-    const vec3 a = vec3_make(x->m[0][0], x->m[1][0], x->m[2][0]);
-    const vec3 b = vec3_make(x->m[0][1], x->m[1][1], x->m[2][1]);
-    const vec3 c = vec3_make(x->m[0][2], x->m[1][2], x->m[2][2]);
-    return vec3_dot(vec3_cross(a, b), c);
-}
-
-/* The front stays where the author put it: a mirroring transform turns the winding, so it is turned
- * back. */
 static void add_mesh(struct prep_plan *p, uint32_t shape, const struct shape *s)
 {
     const struct mesh *mesh = &p->scene->meshes[s->mesh.mesh];
-    const bool mirrored = determinant(&s->to_world) < 0;
+    const bool mirrored = prep_triangle_mirrored(s);
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
-        vec3 v[3], world[3];
-        mesh_vertices(mesh, i, v);
-        for (int k = 0; k < 3; k++)
-            world[mirrored ? (3 - k) % 3 : k] = xform_point(&s->to_world, v[k]);
+        vec3 world[3];
+        prep_triangle_world(mesh, s, mirrored, i, world);
         add_world_triangle(p, shape, world);
     }
 }
 
 static void add_quad(struct prep_plan *p, uint32_t shape, const struct shape *s)
 {
-    const bool mirrored = determinant(&s->to_world) < 0;
-    vec3 v[4];
-    for (int k = 0; k < 4; k++)
-        v[mirrored ? 3 - k : k] = xform_point(&s->to_world, vec3_load(s->quad.vertices[k]));
-    add_world_triangle(p, shape, (const vec3[3]){v[0], v[1], v[2]});
-    add_world_triangle(p, shape, (const vec3[3]){v[0], v[2], v[3]});
+    const bool mirrored = prep_triangle_mirrored(s);
+    for (uint32_t i = 0; i < 2; i++) {
+        vec3 world[3];
+        prep_triangle_world(NULL, s, mirrored, i, world);
+        add_world_triangle(p, shape, world);
+    }
 }
 
 /* The transform is a similarity: any column's length is its scale. */
@@ -304,7 +265,7 @@ static void plan_mesh(struct prep_plan *p, const struct mesh *mesh, struct prep_
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
         vec3 v[3];
         double area;
-        mesh_vertices(mesh, i, v);
+        prep_triangle_object(mesh, i, v);
         const uint32_t index = tree->triangle_count;
         if (add_triangle(p, tree, v, &area))
             tree->prims[index] = index;
@@ -367,7 +328,7 @@ static void add_instance(struct prep_plan *p, uint32_t shape, const struct shape
                                   .tree = tree,
                                   .shape = shape,
                                   .prim_begin = p->head.prim_count,
-                                  .mirrored = determinant(&s->to_world) < 0};
+                                  .mirrored = prep_triangle_mirrored(s)};
     if (!p->trees[tree].triangle_count)
         return;
     invert(&s->to_world, to->to_object);

@@ -2,8 +2,10 @@
 #include "common/trace/render.h"
 
 #include <assert.h>
+#include <string.h>
 
 #include "common/trace/camera.h"
+#include "common/trace/layer.h"
 #include "common/trace/path.h"
 #include "common/trace/rng.h"
 
@@ -20,9 +22,9 @@ struct octet {
     uint32_t x_px, y_px;
     struct rng_pixel rng;
     struct camera_rays rays;
-    uint32_t elder;                            /* whose rays they are; UINT32_MAX: nobody's */
-    uint32_t begun;                            /* bit i: starts[i] is the elder's, too */
-    struct path_start starts[FILM_REPLICATES]; /* for two siblings each */
+    uint32_t elder;            /* whose rays they are; UINT32_MAX: nobody's */
+    uint32_t begun;            /* bit i: starts[i] is the elder's, too */
+    struct path_starts starts; /* for two siblings each */
 };
 
 static void octet_init(struct octet *o, const struct stage *s, uint32_t x_px, uint32_t y_px)
@@ -32,6 +34,15 @@ static void octet_init(struct octet *o, const struct stage *s, uint32_t x_px, ui
     o->y_px = y_px;
     o->elder = UINT32_MAX;
     rng_pixel_init(&o->rng, s->settings.seed, x_px, y_px);
+}
+
+/* Through the lens, if there is one. Apart, so that the pinhole's way stays short. */
+__attribute__((noinline)) static void octet_aim(struct octet *o, f32x8 x, f32x8 y)
+{
+    struct sobol8_square lens = {{0}, {0}};
+    if (o->stage->camera.kind == CAMERA_THIN_LENS)
+        lens = rng_pixel_lens(&o->rng);
+    camera_rays_through(&o->stage->camera, x, y, &lens, &o->rays);
 }
 
 /* Samples [8 index, 8 index + 8). */
@@ -46,31 +57,33 @@ static void octet_go(struct octet *o, uint32_t index)
     const struct sobol8_square q = rng_pixel_filter(&o->rng);
     const f32x8 x = (float)o->x_px + 0.5f + camera_filter(&s->film, q.u);
     const f32x8 y = (float)o->y_px + 0.5f + camera_filter(&s->film, q.v);
-    camera_rays(&s->camera, x, y, &o->rays);
+    if (s->camera.kind == CAMERA_PERSPECTIVE)
+        camera_rays(&s->camera, x, y, &o->rays);
+    else
+        octet_aim(o, x, y);
 }
 
-/* The camera rays of replicates [begin, end). */
-static void octet_begin(struct octet *o, uint32_t begin, uint32_t end)
+/* The camera rays of the replicates whose bit is set in `which`. */
+static void octet_begin(struct octet *o, uint32_t which)
 {
     struct ray rays[FILM_REPLICATES];
-    const uint32_t wanted = (1u << end) - (1u << begin);
-    if ((o->begun & wanted) == wanted)
+    if (!(which & ~o->begun))
         return;
-    for (uint32_t i = begin; i < end; i++)
-        rays[i - begin] = camera_rays_at(&o->stage->camera, &o->rays, i);
-    path_begin(o->stage, rays, end - begin, &o->starts[begin]);
-    o->begun |= wanted;
+    for (uint32_t i = 0; i < FILM_REPLICATES; i++)
+        rays[i] = camera_rays_at(&o->stage->camera, &o->rays, i);
+    path_begin(o->stage, which, rays, &o->starts);
+    o->begun = which;
 }
 
-/* Radiance of those with replicates [begin, end). */
-static void octet_radiance(struct octet *o, uint32_t begin, uint32_t end, rgb radiance[])
+/* Radiance of those, by replicate, and its terms if they are asked for. */
+static void octet_radiance(struct octet *o, uint32_t which, rgb radiance[FILM_REPLICATES],
+                           struct path_terms *terms)
 {
     const struct stage *s = o->stage;
+    octet_begin(o, which);
     switch (s->settings.integrator) {
     case INTEGRATOR_PATH:
-        octet_begin(o, begin, end);
-        path_radiance(s, &o->starts[begin], &o->rng.replicate[begin], end - begin,
-                      PATH_ROULETTE_BEGIN, radiance);
+        path_radiance(s, which, &o->starts, o->rng.replicate, PATH_ROULETTE_BEGIN, terms, radiance);
         return;
     }
     __builtin_unreachable();
@@ -80,11 +93,11 @@ rgb render_sample(const struct stage *s, uint32_t x_px, uint32_t y_px, uint32_t 
 {
     const uint32_t replicate = sample % FILM_REPLICATES;
     struct octet o;
-    rgb radiance;
+    rgb radiance[FILM_REPLICATES];
     octet_init(&o, s, x_px, y_px);
     octet_go(&o, sample / FILM_REPLICATES);
-    octet_radiance(&o, replicate, replicate + 1, &radiance);
-    return radiance;
+    octet_radiance(&o, 1u << replicate, radiance, NULL);
+    return radiance[replicate];
 }
 
 /* False for a NaN. */
@@ -94,39 +107,71 @@ static bool is_valid(rgb c)
     return (i32x4_mask((c >= least) & (c <= most)) & 7) == 7;
 }
 
-static void render_pixel(const struct stage *s, struct film_samples *out, uint32_t x_px,
-                         uint32_t y_px, float sums[FILM_CHANNELS])
+/* One pixel's pass. */
+struct pixel {
+    f64x4 sums[FILM_REPLICATES];
+    double layers[LAYERS_MAX_CHANNELS];
+    struct path_terms terms;
+};
+
+/* What one octet adds: the samples [begin, end), all of it. */
+static void add_octet(struct octet *o, struct pixel *to, struct film_samples *out, uint32_t begin,
+                      uint32_t end)
 {
-    f64x4 exact[FILM_REPLICATES] = {{0}};
+    const uint32_t first = begin % FILM_REPLICATES, which = (1u << (end - begin)) - 1;
+    rgb radiance[FILM_REPLICATES];
+    octet_go(o, begin / FILM_REPLICATES);
+    octet_radiance(o, which << first, radiance, to->terms.count ? &to->terms : NULL);
+    for (uint32_t sample = begin; sample < end; sample++) {
+        const uint32_t i = sample % FILM_REPLICATES;
+        if (out->layers)
+            layer_surface(o->stage, out->layers, &o->starts, &o->rng.replicate[i], sample,
+                          to->layers);
+        if (!is_valid(radiance[i])) {
+            film_samples_note_invalid(out, (struct film_key){o->x_px, o->y_px, sample});
+            continue;
+        }
+        to->sums[i] += f64x4_of(radiance[i]);
+        if (to->terms.count)
+            layer_bounces(out->layers, &to->terms, i, radiance[i], to->layers);
+    }
+}
+
+static void render_pixel(const struct stage *s, struct film_samples *out, uint32_t x_px,
+                         uint32_t y_px, float sums[FILM_CHANNELS], float layers[])
+{
+    const uint32_t channels = layers_channels(out->layers);
+    struct pixel pixel;
     struct octet octet;
+    memset(pixel.sums, 0, sizeof pixel.sums);
+    memset(pixel.layers, 0, channels * sizeof pixel.layers[0]);
+    pixel.terms.count = layers_bounces(out->layers);
     octet_init(&octet, s, x_px, y_px);
     for (uint32_t i = out->pass.s_begin, end; i < out->pass.s_end; i = end) {
-        const uint32_t begin = i % FILM_REPLICATES, first = i - begin;
-        rgb radiance[FILM_REPLICATES];
-        end = first + FILM_REPLICATES;
+        end = i - i % FILM_REPLICATES + FILM_REPLICATES;
         if (end > out->pass.s_end)
             end = out->pass.s_end;
-        octet_go(&octet, first / FILM_REPLICATES);
-        octet_radiance(&octet, begin, end - first, radiance);
-        for (uint32_t k = i; k < end; k++) {
-            const rgb c = radiance[k - i];
-            if (is_valid(c))
-                exact[k % FILM_REPLICATES] += f64x4_of(c);
-            else
-                film_samples_note_invalid(out, (struct film_key){x_px, y_px, k});
-        }
+        add_octet(&octet, &pixel, out, i, end);
     }
     for (int i = 0; i < FILM_REPLICATES; i++)
-        vec3_store(sums + 3 * i, f64x4_round(exact[i]));
+        vec3_store(sums + 3 * i, f64x4_round(pixel.sums[i]));
+    for (uint32_t i = 0; i < channels; i++)
+        layers[i] = (float)pixel.layers[i];
 }
 
 void render_row(const struct stage *s, struct film_samples *out, uint32_t y_px)
 {
     const struct tile_rect r = out->rect;
     assert(y_px >= r.y_begin && y_px < r.y_end);
-    float *row = out->sums + (size_t)(y_px - r.y_begin) * (r.x_end - r.x_begin) * FILM_CHANNELS;
-    for (uint32_t x = r.x_begin; x < r.x_end; x++, row += FILM_CHANNELS)
-        render_pixel(s, out, x, y_px, row);
+    const size_t channels = layers_channels(out->layers);
+    const size_t before = (size_t)(y_px - r.y_begin) * (r.x_end - r.x_begin);
+    float *sums = out->sums + before * FILM_CHANNELS;
+    float *layers = channels ? out->layer_sums + before * channels : NULL;
+    for (uint32_t x = r.x_begin; x < r.x_end; x++, sums += FILM_CHANNELS) {
+        render_pixel(s, out, x, y_px, sums, layers);
+        if (layers)
+            layers += channels;
+    }
 }
 
 void render_tile(const struct stage *s, struct film_samples *out)

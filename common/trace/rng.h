@@ -11,6 +11,7 @@
  *
  *     0                     the pixel filter, a pair
  *     1 + 4 bounce + p      purpose p below, at each bounce; a pair or a single number
+ *     2^30                  the place on the lens, a pair: the elder's, like the filter's
  * SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_RNG_H
 #define COMMON_TRACE_RNG_H
@@ -26,7 +27,7 @@ enum rng_purpose {
     RNG_ROULETTE,       /* single */
 };
 
-enum { RNG_FILTER = 0, RNG_PURPOSES = RNG_ROULETTE + 1 };
+enum { RNG_FILTER = 0, RNG_LENS = 1 << 30, RNG_PURPOSES = RNG_ROULETTE + 1 };
 
 struct rng {
     uint64_t key;            /* of the pixel's replicate */
@@ -215,6 +216,16 @@ static inline void rng_pixel_go(struct rng_pixel *p, uint32_t index)
 static inline struct sobol8_square rng_pixel_filter(const struct rng_pixel *p)
 {
     return sobol8_pair(u32x8_splat(rng_elder(&p->replicate[0]).index_reversed), &p->filter);
+}
+
+static inline struct sobol8_square rng_pixel_lens(const struct rng_pixel *p)
+{
+    struct rng elders[FILM_REPLICATES];
+    struct rng8 eight;
+    for (uint32_t i = 0; i < FILM_REPLICATES; i++)
+        elders[i] = rng_elder(&p->replicate[i]);
+    rng8_make(&eight, elders, FILM_REPLICATES);
+    return rng8_pair(&eight, RNG_LENS);
 }
 
 #endif

@@ -64,6 +64,18 @@ static inline vec3 f32x8_high(f32x8 v)
     return __builtin_shufflevector(v, v, 4, 5, 6, 7);
 }
 
+static inline f32x8 f32x8_join(vec3 low, vec3 high)
+{
+    return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+}
+
+/* -1 in lane i where bit i is set. */
+static inline i32x8 i32x8_of_bits(uint32_t bits)
+{
+    const i32x8 bit = {1, 2, 4, 8, 16, 32, 64, 128};
+    return (bit & (int32_t)bits) != 0;
+}
+
 /* Each component as a[i] * b[j] - a[j] * b[i]; lane 3 comes of the lanes 3. */
 static inline f64x4 f64x4_cross(f64x4 a, f64x4 b)
 {
@@ -178,9 +190,20 @@ static inline f32x8 f32x8_spread(f32x8 v, u32x8 lane)
     return (f32x8)_mm256_permutevar8x32_ps((__m256)v, (__m256i)lane);
 }
 
+/* Lane i: v[from[i]], from below 8. */
+static inline f32x8 f32x8_permute(f32x8 v, u32x8 from)
+{
+    return (f32x8)_mm256_permutevar8x32_ps((__m256)v, (__m256i)from);
+}
+
 static inline f32x8 f32x8_sqrt(f32x8 a)
 {
     return (f32x8)_mm256_sqrt_ps((__m256)a);
+}
+
+static inline f64x4 f64x4_sqrt(f64x4 a)
+{
+    return (f64x4)_mm256_sqrt_pd((__m256d)a);
 }
 
 /* a * b - c, in a's register: left alone, gcc puts it in b's or c's, of which it then makes a copy
@@ -281,10 +304,25 @@ static inline f32x8 f32x8_spread(f32x8 v, u32x8 lane)
     return f32x8_splat(v[lane[0]]);
 }
 
+static inline f32x8 f32x8_permute(f32x8 v, u32x8 from)
+{
+    f32x8 out = v;
+    for (int i = 0; i < 8; i++)
+        out[i] = v[from[i]];
+    return out;
+}
+
 static inline f32x8 f32x8_sqrt(f32x8 a)
 {
     for (int i = 0; i < 8; i++)
         a[i] = __builtin_sqrtf(a[i]);
+    return a;
+}
+
+static inline f64x4 f64x4_sqrt(f64x4 a)
+{
+    for (int i = 0; i < 4; i++)
+        a[i] = __builtin_sqrt(a[i]);
     return a;
 }
 

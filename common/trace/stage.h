@@ -21,7 +21,7 @@
 
 #define STAGE_MAGIC "SMSTAGE"
 
-enum { STAGE_VERSION = 3, STAGE_ALIGN = 64, STAGE_LANES = 8 };
+enum { STAGE_VERSION = 4, STAGE_ALIGN = 64, STAGE_LANES = 8 };
 
 struct stage_span {  /* an array inside the block */
     uint64_t offset; /* bytes from the start of the stage, 64-aligned */
@@ -75,6 +75,40 @@ struct stage_shape {     /* of the document, in its order */
     uint32_t prim_begin; /* its first primitive's number; the next shape's is where they end */
     uint32_t material;
     uint32_t emitter_begin; /* of its first primitive, the others follow; STAGE_NONE: no light */
+    uint32_t detail; /* STAGE_NONE: it is shaded with the geometric normal, in any local frame */
+};
+
+/* What shading asks of a shape beyond points and geometric normals (surface_detail.h). */
+struct stage_detail {
+    /* Of a sphere, disc or cylinder: the x, y and z axes that its uv are counted in, unit. Of
+     * triangles: the rows of what takes a normal to the world, but for its length. */
+    float axes[3][3];
+    uint32_t prim_begin;
+    /* From here on of triangles. First elements: of the array of corners, the first primitive's; of
+     * the others, that of vertex 0, or STAGE_NONE: the mesh has none, or nobody asks for them. */
+    uint32_t corners, normals, uvs, colors;
+    uint32_t mirrored; /* 1: corners 1 and 2 change places in the world */
+};
+
+/* A triangle's vertices, as the mesh numbers them; in v[0] with a bit that says that their normals
+ * as a whole point away from its front. */
+struct stage_corners {
+    uint32_t v[3];
+};
+
+#define STAGE_CORNERS_BACK (1u << 31)
+
+/* Of a vertex. */
+struct stage_normal {
+    float n[3];
+};
+
+struct stage_uv {
+    float uv[2];
+};
+
+struct stage_color {
+    float rgb[3];
 };
 
 /* A hierarchy. The first is the world's, the others are of shared meshes. */
@@ -138,10 +172,32 @@ struct stage_light_node {
 #define STAGE_LIGHT_LEAF  0x80000000u
 #define STAGE_LIGHT_ROUND 0x40000000u
 
-struct stage_camera {
+/* The emitters once more, in lanes, where there are few and all are triangles that pick_cdf chooses
+ * among: light8.h. */
+struct stage_lamps {
+    _Alignas(32) float v[3][3][STAGE_LANES]; /* [vertex][axis][lane]; unused lanes are as lane 0 */
+    float normal[3][STAGE_LANES];            /* unit, as of surface_on_triangle */
+    float area[STAGE_LANES], radiance[3][STAGE_LANES];
+    float begin[STAGE_LANES], end[STAGE_LANES]; /* the emitter's part of pick_cdf */
+    uint32_t prim[STAGE_LANES];
+    uint32_t count; /* of emitters */
+    uint32_t pad[7];
+};
+
+struct stage_camera {   /* as perspective and thin lens have it; the others: camera.c */
     float origin[3];
-    float corner[3];    /* direction_raw through the top left corner of the frame */
+    float corner[3];    /* direction_raw through the top left corner of the frame, 1 deep */
     float dx[3], dy[3]; /* per pixel to the right, down */
+    enum camera_kind kind;
+    uint32_t blades;             /* THIN_LENS: corners of the aperture; 0: round */
+    float lens_x[3], lens_y[3];  /* THIN_LENS: across the aperture, from its middle to its circle */
+    float inv_focus;             /* THIN_LENS: 1 / m */
+    float turns_x, turns_y;      /* PANORAMIC: per pixel */
+};
+
+struct stage_view { /* what depth is measured along */
+    float position[3];
+    float direction[3]; /* unit; 0: none, depth is the distance */
 };
 
 struct stage {
@@ -151,6 +207,7 @@ struct stage {
     uint64_t bytes;        /* of the whole block */
 
     struct stage_camera camera;
+    struct stage_view view;
     struct scene_film film;
     struct scene_settings settings;
     rgb sky;                     /* radiance of rays that leave the scene */
@@ -174,6 +231,12 @@ struct stage {
     struct stage_span materials; /* struct material, names NULL */
     struct stage_span emitters;  /* struct emitter */
     struct stage_span pick_cdf;  /* float: cumulative pick, one more than emitters */
+    struct stage_span lamps;     /* struct stage_lamps: one, or none */
+    struct stage_span details;   /* struct stage_detail */
+    struct stage_span corners;   /* struct stage_corners */
+    struct stage_span normals;   /* struct stage_normal */
+    struct stage_span uvs;       /* struct stage_uv */
+    struct stage_span colors;    /* struct stage_color */
     struct stage_span spots;     /* struct stage_spot */
     struct stage_span light_nodes; /* struct stage_light_node; none: there are too few lights */
     struct stage_span light_slots; /* uint32_t: of each emitter in the tree, 8 node + lane */

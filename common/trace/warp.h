@@ -54,6 +54,19 @@ static inline vec3 warp_disc(struct square q)
     return vec3_make(d[0], d[1], 0);
 }
 
+/* The regular polygon of n corners (3 to 64) on the unit circle, the first one on x; z is 0; pdf_a
+ * 2 / (n sin(2 pi / n)). u goes around, v outwards: slices from the middle to an edge. */
+static inline vec3 warp_polygon(struct square q, uint32_t n)
+{
+    const float around = q.u * (float)n; /* below n: 1 - 2^-24 times n never rounds to n */
+    const uint32_t slice = (uint32_t)around;
+    const float along = around - (float)slice, out = __builtin_sqrtf(q.v);
+    float s[2], c[2];
+    for (uint32_t i = 0; i < 2; i++)
+        fmath_sincos_turns((float)(slice + i) / (float)n, &s[i], &c[i]);
+    return vec3_make(out * (c[0] + along * (c[1] - c[0])), out * (s[0] + along * (s[1] - s[0])), 0);
+}
+
 /* The hemisphere around z, pdf_w cos / pi: the disc, lifted (Malley's method). */
 static inline vec3 warp_cosine(struct square q)
 {

@@ -23,6 +23,30 @@ static bool material_sample(const void *what, vec3 wo, float lobe, struct square
     return bsdf_sample(what, wo, lobe, q, s);
 }
 
+static float lobe_width(const struct material *m)
+{
+    switch (m->kind) {
+    case MATERIAL_CONDUCTOR:
+        return m->conductor.alpha;
+    case MATERIAL_DIELECTRIC:
+        return m->dielectric.alpha;
+    case MATERIAL_METAL:
+        return fmaxf(m->metal.alpha_x, m->metal.alpha_y);
+    case MATERIAL_DIFFUSE:
+    case MATERIAL_MIRROR:
+        break;
+    }
+    return 1;
+}
+
+/* What is sampled by visible facets or by the cosine is 1 at most. */
+static double largest_weight(const struct material *m)
+{
+    if (m->kind == MATERIAL_METAL && m->metal.multiscatter)
+        return 3;
+    return 1.00001;
+}
+
 struct scatter scatter_of(const struct material *m)
 {
     return (struct scatter){
@@ -31,9 +55,8 @@ struct scatter scatter_of(const struct material *m)
         .sample = material_sample,
         .what = m,
         .ior = m->kind == MATERIAL_DIELECTRIC ? (double)m->dielectric.ior : 1,
-        .alpha = m->kind == MATERIAL_CONDUCTOR    ? m->conductor.alpha
-                 : m->kind == MATERIAL_DIELECTRIC ? m->dielectric.alpha
-                                                  : 1,
+        .alpha = lobe_width(m),
+        .most = largest_weight(m),
     };
 }
 
@@ -62,7 +85,7 @@ static bool view_sample(const void *what, struct square q, vec3 *w, float *pdf_w
     const struct view *v = what;
     struct bsdf_sample s;
     if (!v->s->sample(v->s->what, v->wo, dice_float(v->lobes), q, &s) ||
-        !looked_at(v->s, v->wo, s.wi))
+        !looked_at(v->s, v->wo, s.wi) || s.pdf_w == 0)
         return false;
     *w = s.wi;
     *pdf_w = s.pdf_w;
@@ -103,6 +126,8 @@ static struct sphere_chart view_chart(const struct view *v)
         const double narrower = 0.5 * alpha * fabs(1 - 1 / eta_from(v->s, v->wo));
         return sphere_chart_make(refracted(v->s, v->wo), narrower * narrower);
     }
+    if (v->s->retro)
+        return sphere_chart_make(v->wo, alpha * alpha);
     return sphere_chart_make(vec3_make(-v->wo[0], -v->wo[1], v->wo[2]), alpha * alpha);
 }
 
@@ -203,10 +228,12 @@ struct scatter_draw scatter_draw(const struct scatter *s, vec3 wo, uint32_t samp
             s->sample(s->what, wo, lobe, square_of(&dice), &b) && looked_at(s, wo, b.wi);
         for (int c = 0; c < 3; c++) {
             const double weight = alive ? (double)(b.weight[c] / b.scale) : 0;
-            stat_add(&d.albedo[c], weight);
+            const bool delta = alive && b.pdf_w == 0;
+            stat_add(&d.albedo[c], delta ? 0 : weight);
+            stat_add(&d.delta[c], delta ? weight : 0);
             d.most = fmax(d.most, weight);
         }
-        if (alive)
+        if (alive && b.pdf_w != 0)
             compare_weight(s, wo, &b, &d);
         const vec3 w = even_direction(&dice);
         const rgb f = s->eval(s->what, wo, w);
@@ -233,14 +260,15 @@ struct scatter_reciprocal scatter_reciprocal(const struct scatter *s, uint32_t p
         struct bsdf_sample b = {.wi = even_direction(&dice)};
         const float lobe = dice_float(&dice);
         const struct square q = square_of(&dice);
-        if (i & 1 && !s->sample(s->what, o, lobe, q, &b))
+        if (i & 1 && (!s->sample(s->what, o, lobe, q, &b) || b.pdf_w == 0))
             continue;
         if (fabsf(o[2]) < horizon || fabsf(b.wi[2]) < horizon)
             continue;
         const rgb f = both_ways(s, o, b.wi), g = both_ways(s, b.wi, o);
         r.invalid += !valid(f, 0) || !valid(g, 0);
         r.alive += rgb_max(f) > 0;
-        const double share = 1e-5 + 0x1p-20 / (double)vec3_length(o + b.wi);
+        const vec3 i_seen = s->retro ? vec3_make(-b.wi[0], -b.wi[1], b.wi[2]) : b.wi;
+        const double share = 1e-5 + 0x1p-20 / (double)vec3_length(o + i_seen);
         for (int c = 0; c < 3; c++) {
             const double a = (double)f[c], z = (double)g[c];
             r.worst = fmax(r.worst, fabs(a - z) / (share * fmax(a, z) + 1e-6));

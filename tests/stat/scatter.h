@@ -4,7 +4,8 @@
  * is eval / pdf, and nothing that eval has is out of the sampler's reach (scatter_draw). No more
  * light leaves than came (scatter_draw, scatter_albedo). Light goes back the way it came
  * (scatter_reciprocal). Together they mean that sampling is unbiased. Materials that scatter into
- * single directions have only scatter_choices, which says their law exactly.
+ * single directions have only scatter_choices, which says their law exactly; those that also do so
+ * are judged by the rest, and the single directions count as turned away.
  *
  * Directions are local, z the normal, as in common/trace/bsdf.h.
  * SPDX-License-Identifier: MIT */
@@ -27,6 +28,8 @@ struct scatter {
     double ior;  /* index of refraction below, over that above; 1: none, or nothing passes */
     float alpha; /* width of the lobe around the mirrored or refracted direction, 1 for none: where
                   * to look */
+    bool retro;  /* the lobe is around wo itself */
+    double most; /* a weight is below it */
     enum scatter_side side;
 };
 
@@ -37,6 +40,7 @@ struct sphere_chi2_result scatter_follows(const struct scatter *, vec3 wo, uint3
 
 struct scatter_draw {
     struct stat_mean albedo[3]; /* of weight / scale, 0 where the sample was turned away */
+    struct stat_mean delta[3];  /* the same of single directions alone */
     double most;                /* largest weight / scale of all channels */
     double off;                 /* largest relative difference of weight pdf_w and eval */
     uint32_t beyond;            /* of as many even directions: eval is not 0 where pdf_w is 0 */
@@ -59,7 +63,7 @@ struct scatter_reciprocal {
  * met. With an index, f n_i^2 (radiance) is what is equal both ways. Allowed are 1e-6 and, of the
  * larger of the two, 1e-5 + 2^-20 / |o + i|: directions that are unit to 2^-24 leave the cosine
  * between facet and light in doubt by 2^-22 / |o + i|, felt where both graze, and a metal's Fresnel
- * term is up to 4 times as steep. */
+ * term is up to 4 times as steep. Of a retroreflector i is turned half round for it. */
 struct scatter_reciprocal scatter_reciprocal(const struct scatter *, uint32_t pairs, uint64_t seed);
 
 /* A single direction with its probability, in steps of 2^-24. */
