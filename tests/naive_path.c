@@ -158,6 +158,23 @@ static void add(double sum[3], const double throughput[3], vec3 radiance)
         sum[k] += throughput[k] * (double)radiance[k];
 }
 
+static vec3 of_map(const struct stage *s, const struct emitter *e, vec3 dir)
+{
+    const struct stage_map *map = (const struct stage_map *)stage_at(s, s->maps) + e->index;
+    const struct stage_map_pixel *pixels =
+        (const struct stage_map_pixel *)stage_at(s, s->map_pixels) + map->pixel_begin;
+    double d[3] = {0, 0, 0};
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            d[i] += (double)map->to_local[i][k] * (double)dir[k];
+    const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    const uint32_t row = (uint32_t)(acos(d[1] / length) / pi * map->height);
+    const uint32_t column = (uint32_t)((0.5 + atan2(d[0], -d[2]) / (2 * pi)) * map->width);
+    const uint32_t x = column < map->width ? column : map->width - 1;
+    const uint32_t y = row < map->height ? row : map->height - 1;
+    return vec3_load(pixels[(size_t)y * map->width + x].rgb) * vec3_load(e->radiance);
+}
+
 static bool in_sun(const struct emitter *sun, vec3 dir)
 {
     double dot = 0, length = 0;
@@ -178,7 +195,9 @@ void naive_path_radiance(const struct stage *s, struct ray ray, struct dice *dic
         if (!bvh_hit_closest(s, &ray, &hit)) {
             add(sum, throughput, s->sky);
             for (uint32_t e = s->beyond_begin; e < s->emitters.count; e++)
-                if (in_sun(&emitters[e], ray.dir))
+                if (emitters[e].kind == EMITTER_MAP)
+                    add(sum, throughput, of_map(s, &emitters[e], ray.dir));
+                else if (in_sun(&emitters[e], ray.dir))
                     add(sum, throughput, vec3_load(emitters[e].radiance));
             return;
         }

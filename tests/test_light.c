@@ -59,8 +59,11 @@ static float direction_pdf_w(const void *what, vec3 w)
     struct ray_hit hit;
     if (!bvh_hit_closest(c->stage, &ray, &hit)) {
         float sum = 0; /* suns, too, are apart from each other */
-        for (uint32_t e = c->stage->beyond_begin; e < c->stage->emitters.count; e++)
-            sum += light_beyond_pdf_w(c->stage, e, w);
+        for (uint32_t e = c->stage->beyond_begin; e < c->stage->emitters.count; e++) {
+            float pdf_w = 0;
+            if (!rgb_is_black(light_beyond(c->stage, e, w, &pdf_w)))
+                sum += pdf_w;
+        }
         return sum;
     }
     const struct surface at = surface_at(c->stage, &ray, &hit);

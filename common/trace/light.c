@@ -2,6 +2,7 @@
 #include "common/trace/light.h"
 
 #include "common/trace/light_cylinder.h"
+#include "common/trace/light_map.h"
 #include "common/trace/light_spot.h"
 #include "common/trace/light_sun.h"
 #include "common/trace/light_tree.h"
@@ -38,10 +39,10 @@ static uint32_t pick_emitter(const struct stage *s, uint32_t begin, double u)
     return begin;
 }
 
-static float rest_of(double rest)
+static uint32_t rest_of(double rest)
 {
-    const uint32_t bits = (uint32_t)(rest * 0x1p24);
-    return sobol_float((bits < 1u << 24 ? bits : (1u << 24) - 1) << 8);
+    const double bits = rest * 0x1p32;
+    return bits < 0x1.fffffffep31 ? (uint32_t)bits : UINT32_MAX;
 }
 
 static double unit_of(uint32_t bits)
@@ -258,13 +259,29 @@ static bool sample_sun(const struct surface *from, const struct emitter *e, floa
     return true;
 }
 
+static const struct stage_map *map_of(const struct stage *s, const struct emitter *e)
+{
+    return (const struct stage_map *)stage_at(s, s->maps) + e->index;
+}
+
+static bool sample_map(const struct stage *s, const struct surface *from, const struct emitter *e,
+                       float pick, struct sobol_bits q, struct light_sample *out)
+{
+    const struct light_map_sample found = light_map_sample(s, map_of(s, e), q);
+    out->wi = found.dir;
+    out->pdf_w = pick * found.pdf_w;
+    out->value = vec3_load(e->radiance) * found.pixel / out->pdf_w;
+    out->shadow = surface_leave(from, out->wi);
+    return out->pdf_w > 0;
+}
+
 bool light_sample_picked(const struct stage *s, const struct surface *from, struct light_pick pick,
                          uint32_t v, struct light_sample *out)
 {
     if (pick.emitter == STAGE_NONE)
         return false;
     const struct emitter *e = emitter_at(s, pick.emitter);
-    const struct square place = {pick.rest, sobol_float(v)};
+    const struct square place = {sobol_float(pick.rest), sobol_float(v)};
     const float probability = pick.probability;
     switch (e->kind) {
     case EMITTER_PRIM:
@@ -274,6 +291,8 @@ bool light_sample_picked(const struct stage *s, const struct surface *from, stru
         return sample_point(s, from, e, probability, out);
     case EMITTER_SUN:
         return sample_sun(from, e, probability, place, out);
+    case EMITTER_MAP:
+        return sample_map(s, from, e, probability, (struct sobol_bits){pick.rest, v}, out);
     case EMITTER_DISTANT:
         out->wi = -vec3_load(e->at);
         out->value = vec3_load(e->radiance) / probability;
@@ -297,16 +316,18 @@ bool light_sample(const struct stage *s, const struct surface *from, struct sobo
     return light_sample_picked(s, from, pick, q.v, out);
 }
 
-rgb light_beyond(const struct stage *s, uint32_t emitter, vec3 dir)
+rgb light_beyond(const struct stage *s, uint32_t emitter, vec3 dir, float *pdf_w)
 {
     const struct emitter *e = emitter_at(s, emitter);
-    return light_sun_meets(e, dir) ? vec3_load(e->radiance) : rgb_gray(0);
-}
-
-float light_beyond_pdf_w(const struct stage *s, uint32_t emitter, vec3 dir)
-{
-    const struct emitter *e = emitter_at(s, emitter);
-    return light_sun_meets(e, dir) ? (float)pick_probability(s, emitter) * light_sun_pdf_w(e) : 0;
+    rgb radiance = vec3_load(e->radiance);
+    if (e->kind == EMITTER_MAP)
+        radiance *= light_map_pixel(s, map_of(s, e), dir, pdf_w);
+    else if (light_sun_meets(e, dir))
+        *pdf_w = light_sun_pdf_w(e);
+    else
+        return rgb_gray(0);
+    *pdf_w *= (float)pick_probability(s, emitter);
+    return radiance;
 }
 
 float light_pdf_w(const struct stage *s, const struct surface *from, const struct surface *at)

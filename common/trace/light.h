@@ -5,7 +5,8 @@
  * tree picks one by what it may mean to the point (light_tree.h). So points that are spread evenly
  * over the square are spread so over neighbours in the table, such as the triangles of a quad. Then
  * a point on the emitter: triangles and discs uniformly by area, spheres uniformly by the solid
- * angle they fill, cylinders nearly so (light_cylinder.h), the sun uniformly in its cone, point,
+ * angle they fill, cylinders nearly so (light_cylinder.h), the sun uniformly in its cone,
+ * environment maps pixel by pixel (light_map.h), point,
  * spot and distant lights as they are. Emission is one-sided: only the front of a surface shines.
  *
  * The sky is no emitter here. It has one radiance everywhere, so sampling it would be sampling the
@@ -34,7 +35,7 @@ bool light_sample(const struct stage *, const struct surface *from, struct sobol
 struct light_pick {
     uint32_t emitter; /* STAGE_NONE: nothing arrives */
     float probability;
-    float rest; /* where u lies in the emitter's part: uniform in [0, 1) again */
+    uint32_t rest; /* where u lies in the emitter's part: sobol_bits.u again */
 };
 
 void light_pick(const struct stage *, const struct surface *const from[], const uint32_t bits[],
@@ -47,8 +48,8 @@ bool light_sample_picked(const struct stage *, const struct surface *from, struc
 float light_pdf_w(const struct stage *, const struct surface *from, const struct surface *at);
 
 /* What a ray along dir (unit) that leaves the scene meets of an emitter from stage.beyond_begin on;
- * and the density with which light_sample would have chosen dir for that emitter's sake. */
-rgb light_beyond(const struct stage *, uint32_t emitter, vec3 dir);
-float light_beyond_pdf_w(const struct stage *, uint32_t emitter, vec3 dir);
+ * and, if that is not black, the density with which light_sample would have chosen dir for that
+ * emitter's sake. */
+rgb light_beyond(const struct stage *, uint32_t emitter, vec3 dir, float *pdf_w);
 
 #endif

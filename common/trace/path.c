@@ -59,9 +59,10 @@ static rgb beyond(const struct stage *s, vec3 dir, float pdf_w)
 {
     rgb light = s->sky;
     for (uint32_t e = s->beyond_begin; e < s->emitters.count; e++) {
-        const rgb found = light_beyond(s, e, dir);
+        float sampled;
+        const rgb found = light_beyond(s, e, dir, &sampled);
         if (!rgb_is_black(found))
-            light += found * (pdf_w == 0 ? 1 : mis_weight(pdf_w, light_beyond_pdf_w(s, e, dir)));
+            light += found * (pdf_w == 0 ? 1 : mis_weight(pdf_w, sampled));
     }
     return light;
 }

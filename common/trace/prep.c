@@ -65,6 +65,10 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->light_nodes, p->light_nodes, sizeof *p->light_nodes},
         {&head->light_slots, p->light_slots, sizeof *p->light_slots},
         {&head->light_parents, p->light_parents, sizeof *p->light_parents},
+        {&head->maps, p->maps, sizeof *p->maps},
+        {&head->map_rows, p->map_rows, sizeof *p->map_rows},
+        {&head->map_pixels, p->map_pixels, sizeof *p->map_pixels},
+        {&head->map_columns, p->map_columns, sizeof *p->map_columns},
     };
     uint64_t bytes = (sizeof *head + STAGE_ALIGN - 1) / STAGE_ALIGN * STAGE_ALIGN;
     for (size_t i = 0; i < countof(pieces); i++) {

@@ -105,6 +105,7 @@ static double measure(const struct prep_plan *p, const struct emitter *e, struct
         break;
     case EMITTER_DISTANT: /* are not in the tree */
     case EMITTER_SUN:
+    case EMITTER_MAP:
         __builtin_unreachable();
     }
     item->box = box_of(at, at);

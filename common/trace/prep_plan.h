@@ -43,6 +43,10 @@ struct prep_plan {
     struct stage_spot *spots;
     struct stage_light_node *light_nodes; /* NULL: no tree */
     uint32_t *light_slots, *light_parents;
+    struct stage_map *maps; /* room for all lights' */
+    struct stage_map_row *map_rows;
+    struct stage_map_pixel *map_pixels;
+    uint32_t *map_columns;
 };
 
 /* Allocates the arrays. False: too many primitives. */
@@ -85,6 +89,15 @@ void prep_camera(struct stage_camera *, const struct scene *);
 /* The document's lights -> emitters behind those of shapes; and the table by which one is picked, or
  * the tree if they are many. After prep_shapes: a distant light shines on what there is. */
 void prep_lights(struct prep_plan *, struct arena *scratch);
+
+/* Makes room for the document's environment maps. */
+void prep_map_open(struct prep_plan *, struct arena *scratch);
+/* Whether all pixels are the same, *pixel: then the map is a sky. */
+bool prep_map_is_uniform(const struct scene *, const struct light *, rgb *pixel);
+/* Makes the next map, and its emitter but for prim and pick. Returns what it sends of light above its
+ * mean, which is what is sampled: the integral of its luminance. */
+double prep_map_make(struct prep_plan *, struct emitter *, const struct light *,
+                     struct arena *scratch);
 
 /* The tree over emitters [0, far_begin), which know their triangles by their number among the
  * world's. radius: of the scene. */

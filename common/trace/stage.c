@@ -39,6 +39,10 @@ static const struct row rows[] = {
     ROW(light_nodes, struct stage_light_node),
     ROW(light_slots, uint32_t),
     ROW(light_parents, uint32_t),
+    ROW(maps, struct stage_map),
+    ROW(map_rows, struct stage_map_row),
+    ROW(map_pixels, struct stage_map_pixel),
+    ROW(map_columns, uint32_t),
 };
 
 _Static_assert((sizeof(struct stage) - offsetof(struct stage, shapes)) /
