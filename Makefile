@@ -142,6 +142,7 @@ check-rules:
 	tests/check_includes.sh
 	tests/check_symbols.sh --self-test
 	tests/check_symbols.sh $(O)
+	tests/check_rows.sh
 check-unit: tests
 	$(PROVE) --exec '' $(TESTS)
 check-e2e: all tests

@@ -46,7 +46,13 @@ enum {
     SCENE_MAX_SPP = 1 << 24,
 };
 
-enum filter_kind { FILTER_BOX, FILTER_TENT };
+enum filter_kind {
+    FILTER_BOX,
+    FILTER_TENT,
+    FILTER_GAUSSIAN,
+    FILTER_BLACKMAN_HARRIS,
+    FILTER_MITCHELL
+};
 
 struct scene_film {
     uint32_t width_px, height_px; /* >= 1; the whole frame */
@@ -54,6 +60,8 @@ struct scene_film {
     uint32_t crop_x_begin, crop_y_begin, crop_x_end, crop_y_end;
     enum filter_kind filter;
     float filter_radius_px; /* half width: box .5 is one pixel, tent 1 reaches the neighbours */
+    float filter_sigma_px;      /* GAUSSIAN */
+    float filter_b, filter_c;   /* MITCHELL, [0, 1] */
     uint32_t layers;        /* layers.h; 0: the image alone */
 };
 

@@ -5,23 +5,6 @@
 #include "common/layers.h"
 #include "common/scene_check.h"
 
-static void read_filter(struct scene_doc *doc, const struct scene_at *at, struct scene_film *film)
-{
-    static const char *const kinds[] = {[FILTER_BOX] = "box", [FILTER_TENT] = "tent"};
-    static const double default_radius[] = {[FILTER_BOX] = .5, [FILTER_TENT] = 1};
-    static const struct scene_key keys[] = {{"type", true}, {"radius", false}};
-    size_t kind;
-    scene_doc_object(doc, at, "the filter", keys, countof(keys));
-    struct scene_at type;
-    if (!scene_at_member(at, "type", &type) ||
-        !scene_doc_choice(doc, &type, kinds, countof(kinds), &kind))
-        return;
-    double radius = default_radius[kind];
-    scene_key_number(doc, at, "radius", (struct scene_range){.1, 16, false}, &radius);
-    film->filter = (enum filter_kind)kind;
-    film->filter_radius_px = (float)radius;
-}
-
 static void read_crop(struct scene_doc *doc, const struct scene_at *at, bool size_known,
                       struct scene_film *film)
 {
@@ -93,7 +76,7 @@ static void read_film(struct scene_doc *doc, const struct scene_at *at, struct s
     film->layers = read_layers(doc, at);
     struct scene_at member;
     if (scene_at_member(at, "filter", &member))
-        read_filter(doc, &member, film);
+        scene_read_filter(doc, &member, film);
     if (scene_at_member(at, "crop", &member))
         read_crop(doc, &member, size_known, film);
     struct err err;

@@ -16,6 +16,7 @@ struct scene_names scene_read_materials(struct scene_doc *, const struct scene_a
                                         struct scene *);
 void scene_read_shapes(struct scene_doc *, const struct scene_at *, const struct scene_names *,
                        struct scene *);
+void scene_read_filter(struct scene_doc *, const struct scene_at *, struct scene_film *);
 void scene_read_camera(struct scene_doc *, const struct scene_at *, struct scene_camera *);
 void scene_read_lights(struct scene_doc *, const struct scene_at *, struct scene *);
 void scene_read_mesh(struct scene_doc *, const struct scene_at *shape, struct mesh *);

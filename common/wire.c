@@ -219,8 +219,8 @@ static bool read_sums(struct buf_reader *r, struct film_samples *s, struct arena
     if (!read_floats(r, count, arena, &s->sums))
         return err_set(err, ERR_PROTOCOL, "payload sums are cut short");
     for (size_t i = 0; i < count; i++)
-        if (!(isfinite(s->sums[i]) && s->sums[i] >= 0))
-            return err_set(err, ERR_PROTOCOL, "payload sum %zu is negative or not finite", i);
+        if (!isfinite(s->sums[i])) /* negative it may be, by the pixel filter's sign */
+            return err_set(err, ERR_PROTOCOL, "payload sum %zu is not finite", i);
     if (!layers)
         return true;
     if (!read_floats(r, layers, arena, &s->layer_sums))

@@ -52,6 +52,8 @@ static void check_scene(const struct scene *s)
     const struct scene_film *f = &s->film;
     require(f->crop_x_begin < f->crop_x_end && f->crop_x_end <= f->width_px);
     require(f->crop_y_begin < f->crop_y_end && f->crop_y_end <= f->height_px);
+    require(f->filter_radius_px >= .1f && f->filter_radius_px <= 16);
+    require(f->filter != FILTER_GAUSSIAN || f->filter_sigma_px >= .05f);
     check_camera(&s->camera);
     require(s->settings.target.spp >= 1 && s->settings.target.spp <= SCENE_MAX_SPP);
     for (uint32_t i = 0; i < s->shape_count; i++) {

@@ -16,8 +16,12 @@ void scenes_init(struct scenes *s, uint32_t width_px, uint32_t height_px)
     *s = (struct scenes){0};
     struct scene *scene = &s->scene;
     scene->title = "";
-    scene->film =
-        (struct scene_film){width_px, height_px, 0, 0, width_px, height_px, FILTER_BOX, 0.5f, 0};
+    scene->film = (struct scene_film){.width_px = width_px,
+                                      .height_px = height_px,
+                                      .crop_x_end = width_px,
+                                      .crop_y_end = height_px,
+                                      .filter = FILTER_BOX,
+                                      .filter_radius_px = 0.5f};
     scene->settings = (struct scene_settings){.max_bounces = 64, .seed = 1, .target = {.spp = 64}};
     scene->materials = arena_new(&s->arena, struct material, SCENES_MAX);
     scene->shapes = arena_new(&s->arena, struct shape, SCENES_MAX_SHAPES);
@@ -245,6 +249,15 @@ void scenes_render(const struct stage *stage, uint32_t spp, struct film *film)
         arena_reset(&arena);
     }
     arena_release(&arena);
+}
+
+void scenes_follow(const struct stage *stage, uint32_t which, const struct wave_starts *starts,
+                   const struct rng rngs[], uint32_t roulette_begin, rgb radiance[])
+{
+    struct wave wave;
+    wave_init(&wave, stage, roulette_begin, NULL, radiance);
+    wave_put(&wave, which, starts, rngs, 0);
+    wave_finish(&wave);
 }
 
 struct scenes_mean scenes_mean(const struct film *film, int channel)

@@ -8,6 +8,7 @@
 #include "common/film.h"
 #include "common/scene.h"
 #include "common/trace/stage.h"
+#include "common/trace/wave.h"
 
 enum { SCENES_MAX_SHAPES = 256, SCENES_MAX = 32 }; /* shapes; materials, meshes, lights */
 
@@ -57,6 +58,10 @@ const struct stage *scenes_stage(struct scenes *); /* aborts with the message wh
 
 /* The whole frame, in passes as a job has them. The caller releases the film. */
 void scenes_render(const struct stage *, uint32_t spp, struct film *);
+
+/* What wave.h's paths bring along rays that are known already: those of `which`. */
+void scenes_follow(const struct stage *, uint32_t which, const struct wave_starts *,
+                   const struct rng rngs[], uint32_t roulette_begin, rgb radiance[]);
 
 /* Mean of all pixels of one channel, and its standard error from the replicates. */
 struct scenes_mean {

@@ -78,9 +78,9 @@ static void fresnel_values(void)
     const double f45 = 0.5 * (.0920133630 * .0920133630 + .3033370453 * .3033370453);
     const double f10 = 0.5 * (.1904679720 * .1904679720 + .2094943196 * .2094943196);
     near((double)fresnel_dielectric((float)cos(pi / 4), 1.5f, &t), f45, 1e-7,
-         "glass at 45 degrees");
+         "A-10: glass at 45 degrees");
     near((double)fresnel_dielectric((float)cos(pi / 18), 1 / 1.5f, &t), f10, 1e-7,
-         "out of glass at 10 degrees");
+         "A-10: out of glass at 10 degrees");
     near((double)fresnel_dielectric(1, 1.5f, &t), 0.04, 1e-8, "glass from above");
     ok(fresnel_dielectric(0.7f, 1 / 1.5f, &t) == 1 && t == 0, "total reflection");
     ok(fresnel_dielectric(0, 1, &t) == 0 && fresnel_dielectric(1e-20f, 1, &t) == 0 && t == 1e-20f,
@@ -92,21 +92,21 @@ static void fresnel_values(void)
         out += (double)(fresnel_dielectric(c, 1.5f, &t) * 2 * c) / 100000;
         in += (double)(fresnel_dielectric(c, 1 / 1.5f, &t) * 2 * c) / 100000;
     }
-    near(out, .091777959, 1e-6, "average over the hemisphere is Duntley's");
-    near(in, .596345760, 1e-5, "and inside 1 - (1 - F) / n^2");
+    near(out, .091777959, 1e-6, "A-10: average over the hemisphere is Duntley's");
+    near(in, .596345760, 1e-5, "A-10: and inside 1 - (1 - F) / n^2");
 
-    near((double)fresnel_conductor_channel(1, .2f, 3.9f), .951951952, 1e-6, "metal at 0 degrees");
+    near((double)fresnel_conductor_channel(1, .2f, 3.9f), .951951952, 1e-6, "A-11: metal at 0 degrees");
     near((double)fresnel_conductor_channel(.5f, .2f, 3.9f), .945882382, 1e-6,
-         "metal at 60 degrees");
+         "A-11: metal at 60 degrees");
     near((double)fresnel_conductor_channel((float)cos(89 * pi / 180), .2f, 3.9f), .992486811, 1e-6,
-         "metal at 89 degrees");
+         "A-11: metal at 89 degrees");
     double off = 0;
     for (int i = 0; i <= 1000; i++) {
         const float c = (float)i / 1000;
         off = fmax(off, (double)fabsf(fresnel_conductor_channel(c, 1.5f, 0) -
                                       fresnel_dielectric(c, 1.5f, &t)));
     }
-    ok(off < 1e-6, "a metal that does not absorb is a dielectric (%.1e)", off);
+    ok(off < 1e-6, "A-11: a metal that does not absorb is a dielectric (%.1e)", off);
 }
 
 static double albedo(const struct material *m, double z)
@@ -137,7 +137,7 @@ static void ggx_albedos(void)
             const struct material m = silver((float)alpha[j]);
             off = fmax(off, fabs(albedo(&m, z[i]) - table[j][i]));
         }
-    ok(off < 0.002, "GGX albedos are those of height-correlated masking (%.4f off)", off);
+    ok(off < 0.002, "A-14, F-23: GGX albedos are those of height-correlated masking (%.4f off)", off);
 }
 
 static void narrow_lobe_meets_mirror(void)
@@ -148,7 +148,7 @@ static void narrow_lobe_meets_mirror(void)
         const struct material delta = metal(.2f, 3.9f, 0.99f * BSDF_LEAST_ALPHA);
         off = fmax(off, fabs(albedo(&lobe, i / 20.0) - albedo(&delta, i / 20.0)));
     }
-    ok(off < 1e-3, "albedo is continuous where the lobe becomes a mirror (%.1e)", off);
+    ok(off < 1e-3, "F-22: albedo is continuous where the lobe becomes a mirror (%.1e)", off);
     const struct material delta = metal(.2f, 3.9f, 0);
     ok(bsdf_is_delta(&delta) && !bsdf_is_delta(&(struct material){.kind = MATERIAL_DIFFUSE}),
        "only the mirror is delta");
@@ -194,7 +194,7 @@ static void corners_are_finite(void)
                 const struct square q = {edge[n % 7], edge[n / 7 % 7]};
                 bad += !sample_is_finite(&some[m], direction(z[d], 0.1), edge[n / 49], q);
             }
-    ok(bad == 0, "corners of the unit cube at all angles give finite samples (%d bad)", bad);
+    ok(bad == 0, "F-20: corners of the unit cube at all angles give finite samples (%d bad)", bad);
 }
 
 /* Below the least width, and where nothing is bent, rough glass is the smooth one to the bit. */

@@ -147,7 +147,7 @@ static void test_coincident(void)
         struct ray_hit hit;
         wrong += !bvh_hit_closest(stage, &ray, &hit) || hit.prim != 0 || !bvh_hit_any(stage, &ray);
     }
-    ok(wrong == 0, "of 1e5 coincident triangles the first is hit");
+    ok(wrong == 0, "F-14: of 1e5 coincident triangles the first is hit");
     ok(stage->bvh_depth <= 32, "1e5 coincident triangles make a tree of depth %u",
        stage->bvh_depth);
     scenes_release(&s);
@@ -178,7 +178,7 @@ static void test_ties(void)
         }
         scenes_release(&s);
     }
-    ok(hits > 9000 && wrong == 0, "coplanar duplicates: the smaller number is hit (%d of %d not)",
+    ok(hits > 9000 && wrong == 0, "F-14: coplanar duplicates: the smaller number is hit (%d of %d not)",
        wrong, hits);
 }
 
@@ -254,7 +254,7 @@ static void test_garbage(void)
         }
         scenes_release(&s);
     }
-    ok(wrong == 0 && hits > 3000, "garbage, %d seeds: the tree is the loop (%d of %d hits not)",
+    ok(wrong == 0 && hits > 3000, "F-14: garbage, %d seeds: the tree is the loop (%d of %d hits not)",
        (int)seeds, wrong, hits);
     ok(depth <= BVH_MAX_DEPTH, "garbage: depth %u of at most %d", depth, BVH_MAX_DEPTH);
 }
@@ -287,7 +287,7 @@ static void test_holes(void)
         hits += hit;
     }
     ok(hits > 1000 / STAT_SLOW && wrong == 0 && holed->dropped_nonfinite == COUNT,
-       "%d triangles with NaN or infinity hide none of %d others (%d of %d hits)", COUNT, COUNT,
+       "F-14: %d triangles with NaN or infinity hide none of %d others (%d of %d hits)", COUNT, COUNT,
        wrong, hits);
     scenes_release(&s);
     scenes_release(&clean);
@@ -349,7 +349,7 @@ static void test_build_time(void)
     const double clean = build_seconds(1, clean_triangle);
     for (size_t i = 0; i < countof(kinds); i++) {
         const double seconds = build_seconds(2, kinds[i].make);
-        ok(seconds <= 3 * clean, "a tree of %s takes at most 3 times as long as others (%.2f)",
+        ok(seconds <= 3 * clean, "F-14: a tree of %s takes at most 3 times as long as others (%.2f)",
            kinds[i].name, seconds / clean);
     }
 }

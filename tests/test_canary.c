@@ -78,11 +78,11 @@ static int count_wrong_signs(void)
 int main(void)
 {
     ok(count_violations(edge, 1) == 0,
-       "edge functions are antisymmetric to the last bit, 1e6 pairs");
+       "F-11: edge functions are antisymmetric to the last bit, 1e6 pairs");
     ok(count_violations(edge, 1e-6) == 0, "also of points that nearly coincide");
     ok(count_violations(edge_exact, 1e-6) == 0, "the double version is antisymmetric, too");
     const int fused = count_violations(edge_fused, 1);
-    ok(fused > PAIRS / 4, "a fused multiply-add would be noticed: %d violations of 1e6", fused);
+    ok(fused > PAIRS / 4, "F-11: a fused multiply-add would be noticed: %d violations of 1e6", fused);
     ok(count_wrong_signs() == 0,
        "the sign of an edge function is right, 1e6 nearly parallel pairs");
     return tap_done();

@@ -94,7 +94,7 @@ static void test_far(void)
         struct ray_hit hit = {0};
         const bool found = bvh_hit_closest(stage, &ray, &hit);
         ok(found && fabs((double)hit.t + (double)x + half) <= -(double)x * 0x1p-23,
-           "a cylinder of radius .1 is hit from 1e%d away", i);
+           "F-17: a cylinder of radius .1 is hit from 1e%d away", i);
         const struct surface at = surface_at(stage, &ray, &hit);
         const double off =
             fmax(fabs((double)at.ng[0] + half / radius), fabs((double)at.ng[1] - height / radius));
@@ -138,8 +138,8 @@ static void test_tangents(void)
         const double volume = fabs(f[0] * n[0] + f[1] * n[1] + f[2] * n[2]);
         wrong += volume > (double)c->radius * sqrt(nn) * (1 + 1e-12);
     }
-    ok(hits > 20000 / STAT_SLOW && bad == 0, "tangents: no NaN, %d hits", hits);
-    ok(wrong == 0, "tangents: hits are within the radius (%d not)", wrong);
+    ok(hits > 20000 / STAT_SLOW && bad == 0, "F-18: tangents: no NaN, %d hits", hits);
+    ok(wrong == 0, "F-18: tangents: hits are within the radius (%d not)", wrong);
     scenes_release(&s);
 }
 

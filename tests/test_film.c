@@ -114,7 +114,7 @@ static void long_sums_keep_their_mean(void)
     }
     double m[3];
     film_mean(&f, 0, m);
-    near(m[0], 0.5, 1e-6, "the mean of 1e8 samples of .5");
+    near(m[0], 0.5, 1e-6, "F-19: the mean of 1e8 samples of .5");
     arena_release(&arena);
     film_release(&f);
 }

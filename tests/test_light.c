@@ -79,10 +79,10 @@ static void judge(struct scenes *s, float pdf_most, const char *name)
     const struct sphere_chi2 t = {
         direction_sample, direction_pdf_w, &c, 3, pdf_most, NULL, 0, false, 0};
     const struct sphere_chi2_result r = sphere_chi2_run(&t, 300000 / STAT_SLOW, 1);
-    ok(r.chi2.p > stat_sidak(0.01, 11), "%s: directions follow the pdf (p %.3f)", name, r.chi2.p);
-    ok(fabs(r.mass_off) < fmax(2e-3, 4 * r.mass_sd), "%s: pdf integrates to 1 (%.5f off)", name,
+    ok(r.chi2.p > stat_sidak(0.01, 11), "F-03: %s: directions follow the pdf (p %.3f)", name, r.chi2.p);
+    ok(fabs(r.mass_off) < fmax(2e-3, 4 * r.mass_sd), "F-03: %s: pdf integrates to 1 (%.5f off)", name,
        r.mass_off);
-    ok(r.pdf_off < 1e-4, "%s: pdf sampled is pdf asked (%.1e)", name, r.pdf_off);
+    ok(r.pdf_off < 1e-4, "F-03: %s: pdf sampled is pdf asked (%.1e)", name, r.pdf_off);
     scenes_release(s);
 }
 
@@ -252,7 +252,7 @@ static void corners_are_finite(void)
         bad += !(light.value[0] > 0 && isfinite(light.value[0]) && light.pdf_w >= 0 &&
                  isfinite(light.pdf_w) && fabsf(vec3_length(light.wi) - 1) < 1e-6f);
     }
-    ok(bad == 0, "corners of the unit square give finite samples (%d bad)", bad);
+    ok(bad == 0, "F-20: corners of the unit square give finite samples (%d bad)", bad);
     ok(dark == 0, "no light is in its own shadow, not at its corners (%d are)", dark);
     scenes_release(&s);
 }

@@ -216,7 +216,7 @@ static void odd_maps(void)
     fill_gray(p, 64 * 32, .25f);
     stage = scenes_stage(&s);
     ok(stage->emitters.count == 0 && stage->sky[0] == .25f,
-       "a uniform map is a sky: it costs what a sky costs (F-30)");
+       "F-30: a uniform map is a sky, and costs what a sky costs");
     scenes_release(&s);
 
     scenes_init(&s, 1, 1);
@@ -314,7 +314,7 @@ static void sun_pixels(struct sun sun, vec3 normal, const char *name)
     const double off = fabs(m.mean - truth);
     ok(off < 3.9 * m.error + 2e-5 * truth && (STAT_SLOW > 1 || 6.23 * m.error < 1e-3 * truth) &&
            film.invalid_count == 0,
-       "A-22 %s: %.6g is %.6g (%.4f %% off, detects %.3f %%)", name, truth, m.mean,
+       "A-22: %s: %.6g is %.6g (%.4f %% off, detects %.3f %%)", name, truth, m.mean,
        100 * off / truth, 623 * m.error / truth);
     film_release(&film);
     scenes_release(&s);
@@ -361,7 +361,7 @@ static void as_good_as_a_disc(void)
     disc->sun.radius_rad = (float)sqrt(solid / pi);
     disc->sun.radiance = rgb_gray(1e6f);
     const double reference = relative_error(&s);
-    ok(map < 2 * reference, "F-30 a sun pixel: relMSE %.3g at 64 spp, a disc of its power %.3g",
+    ok(map < 2 * reference, "F-30: a sun pixel: relMSE %.3g at 64 spp, a disc of its power %.3g",
        map, reference);
 }
 

@@ -43,9 +43,9 @@ static void judge_swarm(uint32_t count, bool occluded)
         uniform += law.uniform / 3;
     }
     ok(mass_off < 1e-5 && missed == 0,
-       "F-31 %u lights%s: probabilities sum to 1 (%.0e off), %u missed", count,
+       "F-31: %u lights%s: probabilities sum to 1 (%.0e off), %u missed", count,
        occluded ? ", occluded" : "", mass_off, missed);
-    ok(better, "F-31 %u lights%s: relative variance %.2f, by power %.2f, all alike %.2f", count,
+    ok(better, "F-31: %u lights%s: relative variance %.2f, by power %.2f, all alike %.2f", count,
        occluded ? ", occluded" : "", ours, power, uniform);
     swarm_release(&w);
 }
@@ -70,7 +70,7 @@ static void mean_is_the_sum(uint32_t count)
         stat_add(&mean, e);
     }
     const struct means m = means_from_truth(&mean, truth);
-    ok(means_p(&m) > 0.01, "F-31 %u lights: %.5g is %.5g (p %.2f, detects %.2f %%)", count, truth,
+    ok(means_p(&m) > 0.01, "F-31: %u lights: %.5g is %.5g (p %.2f, detects %.2f %%)", count, truth,
        mean.mean, means_p(&m), 100 * means_detects(&m, 0.01) / truth);
     swarm_release(&w);
 }

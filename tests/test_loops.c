@@ -98,11 +98,11 @@ static void judge(const char *name, double least, const struct run *on, const st
 {
     const double room = 3.9 * near_by->mean.error + 1e-4;
     ok(near_by->mean.mean > least - room && near_by->mean.mean < 1 + room,
-       "%s, 1 mm apart: radiance is %.4f, %g to 1 +- %.2g", name, near_by->mean.mean, least, room);
-    ok(on->mean.mean > 0.1 && on->mean.mean < 1 + 1e-4, "%s, on each other: it is %.4f", name,
+       "F-21: %s, 1 mm apart: radiance is %.4f, %g to 1 +- %.2g", name, near_by->mean.mean, least, room);
+    ok(on->mean.mean > 0.1 && on->mean.mean < 1 + 1e-4, "F-21: %s, on each other: it is %.4f", name,
        on->mean.mean);
     ok(near_by->invalid + on->invalid == 0, "%s: no invalid sample", name);
-    ok(on->seconds <= 2 * near_by->seconds, "%s: on each other they take %.2g s, apart %.2g s",
+    ok(on->seconds <= 2 * near_by->seconds, "F-21: %s: on each other they take %.2g s, apart %.2g s",
        name, on->seconds, near_by->seconds);
 }
 

@@ -1,7 +1,7 @@
 /* path.c, render.c: the integrator against the naive one, roulette, invariance, invalid samples,
  * accumulation, and the truth of the stated standard error.
  * SPDX-License-Identifier: MIT */
-#include "common/trace/path.h"
+#include "common/trace/wave.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,7 +13,7 @@
 #include "tests/dice.h"
 #include "tests/naive_path.h"
 #include "tests/scenes.h"
-#include "tests/stat/stat.h"
+#include "tests/stat/means.h"
 #include "tests/tap.h"
 
 /* A room with coloured walls, a metal ball, a ball of glass or chalk, a mirror, a quad light, a
@@ -96,10 +96,13 @@ static void agrees_with_naive(float alpha, const char *name)
 static double luminance_along(const struct stage *stage, struct ray ray, const struct rng *rng,
                               uint32_t roulette_begin)
 {
-    struct path_starts start;
+    struct wave_starts start;
+    struct wave wave;
     rgb radiance;
-    path_begin(stage, 1, &ray, &start);
-    path_radiance(stage, 1, &start, rng, roulette_begin, NULL, &radiance);
+    wave_begin(stage, 1, &ray, &start);
+    wave_init(&wave, stage, roulette_begin, NULL, &radiance);
+    wave_put(&wave, 1, &start, rng, 0);
+    wave_finish(&wave);
     return (double)rgb_luminance(radiance);
 }
 
@@ -126,12 +129,15 @@ static void roulette_changes_nothing(void)
         stat_add(&usual, mean[1] - mean[0]);
         stat_add(&early, mean[2] - mean[0]);
     }
-    const double level = none.mean, gate = (STAT_SLOW == 1 ? 0.005 : 0.05) * level;
-    ok(fabs(usual.mean) < 3.9 * stat_error(&usual) && 6.23 * stat_error(&usual) < gate,
-       "roulette does not change the mean: %.6f +- %.6f of %.4f", usual.mean, stat_error(&usual),
-       level);
-    ok(fabs(early.mean) < 3.9 * stat_error(&early) && 6.23 * stat_error(&early) < 2 * gate,
-       "nor does roulette from the first bounce on: %.6f +- %.6f", early.mean, stat_error(&early));
+    const struct means of_usual = means_from_truth(&usual, 0),
+                       of_early = means_from_truth(&early, 0);
+    const double margin = (STAT_SLOW == 1 ? 0.005 : 0.05) * none.mean;
+    ok(means_unequal_p(&of_usual, margin) < 0.01,
+       "F-04: roulette does not change the mean: equal within %.1f %% (could prove %.2f %%)",
+       100 * margin / none.mean, 100 * means_provable(&of_usual, 0.01) / none.mean);
+    ok(means_unequal_p(&of_early, 2 * margin) < 0.01,
+       "F-04: nor does it from the first bounce on: equal within %.1f %% (could prove %.2f %%)",
+       200 * margin / none.mean, 100 * means_provable(&of_early, 0.01) / none.mean);
     scenes_release(&s);
 }
 
@@ -211,6 +217,37 @@ static void invalid_samples_are_noted(void)
     scenes_release(&s);
 }
 
+/* A material that is no number: what meets it is noted, every other sample stays as it was. */
+static void not_a_number_stays_where_it_is(void)
+{
+    enum { SIDE = 8, SPP = 16 };
+    struct scenes s;
+    mixed(&s, SIDE, false);
+    const uint32_t one_of_ours = scenes_diffuse(&s, rgb_gray(.5f));
+    scenes_disc(&s, one_of_ours, vec3_make(.1f, .3f, 1), vec3_make(0, 0, 1), .2f);
+    const struct stage *good = scenes_stage(&s);
+    s.scene.materials[one_of_ours].diffuse.albedo = rgb_gray(NAN);
+    const struct stage *bad = scenes_stage(&s);
+    struct film film;
+    scenes_render(bad, SPP, &film);
+    uint32_t invalid = 0, other = 0, keys = 0;
+    for (uint32_t i = 0; i < SIDE * SIDE * SPP; i++) {
+        const uint32_t x = i / SPP % SIDE, y = i / SPP / SIDE, sample = i % SPP;
+        const rgb a = render_sample(good, x, y, sample), b = render_sample(bad, x, y, sample);
+        if (!isnan(b[0])) {
+            other += a[0] != b[0] || a[1] != b[1] || a[2] != b[2];
+            continue;
+        }
+        const struct film_key *k = &film.keys[invalid];
+        keys += invalid++ < FILM_MAX_KEYS && k->x_px == x && k->y_px == y && k->sample == sample;
+    }
+    ok(other == 0, "F-20: a material that is no number changes no sample that does not meet it");
+    ok(invalid > FILM_MAX_KEYS && film.invalid_count == invalid && keys == FILM_MAX_KEYS,
+       "F-20: the %u that do are counted, the first %u with their keys", invalid, keys);
+    film_release(&film);
+    scenes_release(&s);
+}
+
 /* --- accumulation: 1e8 samples of one pixel --- */
 
 static void sums_stay_exact(void)
@@ -243,7 +280,7 @@ static void sums_stay_exact(void)
     for (int i = 0; i < 2; i++) {
         double mean[3];
         film_mean(&film[i], 0, mean);
-        near(mean[1], 0.5, 1e-6, "F-19 mean of 1e8 samples: %s",
+        near(mean[1], 0.5, 1e-6, "F-19: mean of 1e8 samples: %s",
              i ? "uniform on [0, 1)" : "constant");
         film_release(&film[i]);
     }
@@ -320,6 +357,7 @@ int main(void)
     roulette_changes_nothing();
     pixels_do_not_depend_on_company();
     invalid_samples_are_noted();
+    not_a_number_stays_where_it_is();
     sums_stay_exact();
     error_bars_cover();
     error_bars_are_true(16);

@@ -75,6 +75,16 @@ static void defaults(void)
        "an empty scene is empty");
 }
 
+static bool filtered(const char *filter)
+{
+    char json[1024];
+    snprintf(json, sizeof json,
+             "{\"smalti\": 1, \"film\": {\"width\": 64, \"height\": 48, \"filter\": %s}, " CAMERA
+             ", \"materials\": {}, \"shapes\": []}",
+             filter);
+    return parse(json);
+}
+
 static void film_and_settings(void)
 {
     ok(parse("{\"smalti\": 1.0, \"title\": \"B\\u00f6x\", \"film\": {\"width\": 640.0, "
@@ -96,6 +106,20 @@ static void film_and_settings(void)
     ok(scene.settings.target.error == .02 && scene.settings.target.seconds == 60 &&
            scene.settings.target.spp == SCENE_MAX_SPP,
        "beside another target, samples are unlimited");
+    const struct scene_film *film = &scene.film;
+    ok(filtered("{\"type\": \"gaussian\"}") && film->filter == FILTER_GAUSSIAN &&
+           film->filter_sigma_px == .5f && film->filter_radius_px == 1.5f &&
+           filtered("{\"type\": \"gaussian\", \"radius\": 3, \"sigma\": 0.75}") &&
+           film->filter_sigma_px == .75f && film->filter_radius_px == 3,
+       "gaussian, by default of sigma 0.5");
+    ok(filtered("{\"type\": \"blackman_harris\"}") && film->filter == FILTER_BLACKMAN_HARRIS &&
+           film->filter_radius_px == 1.5f,
+       "blackman_harris");
+    ok(filtered("{\"type\": \"mitchell\"}") && film->filter == FILTER_MITCHELL &&
+           film->filter_b == 1 / 3.f && film->filter_c == 1 / 3.f && film->filter_radius_px == 2 &&
+           filtered("{\"type\": \"mitchell\", \"c\": 0.5, \"b\": 0}") && film->filter_b == 0 &&
+           film->filter_c == .5f,
+       "mitchell, by default of b = c = 1/3");
     ok(parse("{\"smalti\": 1, \"film\": {\"width\": 16384, \"height\": 16384, \"crop\": "
              "[16000, 16000, 16384, 16384]}, " CAMERA ", \"materials\": {}, \"shapes\": []}"),
        "the limit of pixels counts those that are rendered");

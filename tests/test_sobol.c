@@ -58,13 +58,15 @@ static void singles_are_stratified(void)
 
 static void purposes_have_own_dimensions(void)
 {
-    enum { BOUNCES = 1000, DIMENSIONS = 1 + BOUNCES * RNG_PURPOSES };
+    static const enum rng_purpose all[] = {RNG_LIGHT, RNG_BSDF_DIRECTION, RNG_BSDF_LOBE,
+                                           RNG_ROULETTE};
+    enum { BOUNCES = 1000, DIMENSIONS = 1 + BOUNCES * countof(all) };
     static unsigned char seen[DIMENSIONS];
     bool own = true;
     seen[RNG_FILTER] = 1;
     for (uint32_t b = 0; b < BOUNCES; b++)
-        for (int p = 0; p < RNG_PURPOSES; p++) {
-            const uint32_t d = rng_dimension(b, (enum rng_purpose)p);
+        for (size_t p = 0; p < countof(all); p++) {
+            const uint32_t d = rng_dimension(b, all[p]);
             own &= d < DIMENSIONS && seen[d]++ == 0;
         }
     ok(own, "each purpose of each bounce has a dimension of its own");

@@ -91,7 +91,7 @@ static void test_leave_triangles(void)
         }
         scenes_release(&s);
     }
-    ok(n.met == 0 && n.empty == 0, "rays that leave a triangle do not meet it: %d of %d do", n.met,
+    ok(n.met == 0 && n.empty == 0, "F-12: rays that leave a triangle do not meet it: %d of %d do", n.met,
        n.rays);
 }
 
@@ -116,7 +116,7 @@ static void test_leave_discs(void)
         }
         scenes_release(&s);
     }
-    ok(n.met == 0, "rays that leave a disc do not meet it: %d of %d do", n.met, n.rays);
+    ok(n.met == 0, "F-12: rays that leave a disc do not meet it: %d of %d do", n.met, n.rays);
 }
 
 /* Inwards the sphere is met at the other end of a chord of 2 r cos, which starting inside by the
@@ -153,8 +153,8 @@ static void test_leave_spheres(void)
         }
         scenes_release(&s);
     }
-    ok(out.met == 0, "rays that leave a sphere do not meet it: %d of %d do", out.met, out.rays);
-    ok(in.met == 0 && in.rays > 1000, "rays into a sphere meet its far side: %d of %d do not",
+    ok(out.met == 0, "F-12: rays that leave a sphere do not meet it: %d of %d do", out.met, out.rays);
+    ok(in.met == 0 && in.rays > 1000, "F-12: rays into a sphere meet its far side: %d of %d do not",
        in.met, in.rays);
 }
 
@@ -223,7 +223,7 @@ static void test_leave_cylinders(void)
         }
         scenes_release(&s);
     }
-    ok(out.met == 0, "rays that leave a cylinder do not meet it: %d of %d do", out.met, out.rays);
+    ok(out.met == 0, "F-12: rays that leave a cylinder do not meet it: %d of %d do", out.met, out.rays);
     ok(in.met == 0 && in.empty > 20000 / STAT_SLOW && in.rays - in.empty > 20000 / STAT_SLOW,
        "rays into a cylinder meet its far side, or go out by an end (%d): %d of %d do not",
        in.empty, in.met, in.rays);
@@ -353,7 +353,7 @@ static void test_floors(void)
         }
         scenes_release(&s);
     }
-    ok(n.met == 0, "between floor and ceiling nothing is shadowed: %d of %d rays are", n.met,
+    ok(n.met == 0, "F-12: between floor and ceiling nothing is shadowed: %d of %d rays are", n.met,
        n.rays);
 }
 
@@ -389,7 +389,7 @@ static void test_near_occluder(void)
         scenes_release(&s);
     }
     ok(lit == 0 && lit_from_point == 0,
-       "a sheet 1e-4 of the size above the floor shadows it: %d and %d of %d rays leak", lit,
+       "F-12: a sheet 1e-4 of the size above the floor shadows it: %d and %d of %d rays leak", lit,
        lit_from_point, rays);
     ok(tiny == 0, "and is what rays from the floor meet (%d of %d do not)", tiny, rays);
 }

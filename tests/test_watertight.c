@@ -51,7 +51,7 @@ static void judge_leaks(struct scenes *s, const char *what, float offset)
     const uint32_t rays = stat_tries(100000, 850000); /* 12 times: 1e7 in the long tier */
     const uint32_t a = count_leaks(stage, origins, true, rays);
     const uint32_t b = count_leaks(stage, origins, false, rays);
-    ok(a == 0 && b == 0, "%s at %g: %u rays at vertices leak, %u at edges, of %u each", what,
+    ok(a == 0 && b == 0, "F-10: %s at %g: %u rays at vertices leak, %u at edges, of %u each", what,
        (double)offset, a, b, rays);
 }
 
@@ -115,7 +115,7 @@ static void test_corners(void)
         }
         scenes_release(&s);
     }
-    ok(leaks == 0, "a room seen from beside its edges: %d of %d rays leak", leaks, rays);
+    ok(leaks == 0, "F-10: a room seen from beside its edges: %d of %d rays leak", leaks, rays);
 }
 
 /* Distance by which p lies outside the triangle's box, in parts of the largest number about: a
@@ -173,7 +173,7 @@ static void test_grazing(void)
     }
     /* What boxes are widened and padded by is 16 units of rounding, the point's own are 3. */
     ok(hits > 1000 && worst < 24 * 0x1p-24,
-       "grazing hits on slivers lie on them: at most %.2g units of rounding off, %d hits",
+       "F-15: grazing hits on slivers lie on them: at most %.2g units of rounding off, %d hits",
        worst * 0x1p24, hits);
 }
 
@@ -220,9 +220,9 @@ static void test_no_rays(void)
     int hits, odd_hits;
     const double usual = seconds_of(stage, rays, RAYS, &hits);
     const double time = seconds_of(stage, odd, RAYS, &odd_hits);
-    ok(hits == 20 * RAYS && odd_hits == 0, "rays with NaN or infinity hit nothing (%d of %d)",
+    ok(hits == 20 * RAYS && odd_hits == 0, "F-16: rays with NaN or infinity hit nothing (%d of %d)",
        odd_hits, 20 * RAYS);
-    ok(time <= 2.5 * usual, "and take no longer than others: %.3g s, others %.3g s", time, usual);
+    ok(time <= 2.5 * usual, "F-16: and take no longer than others: %.3g s, others %.3g s", time, usual);
     const struct ray still = {vec3_make(0, 0, 0), vec3_make(0, -0.0f, 0), INFINITY, 0, 0};
     struct ray_hit hit;
     ok(!bvh_hit_closest(stage, &still, &hit) && !bvh_hit_any(stage, &still),
@@ -280,7 +280,7 @@ static void test_far_sphere(void)
         struct ray_hit hit = {0};
         const bool found = bvh_hit_closest(stage, &ray, &hit);
         ok(found && fabs((double)hit.t + (double)x + half) <= -(double)x * 0x1p-23,
-           "a sphere of .1 is hit from 1e%d away", i);
+           "F-17: a sphere of .1 is hit from 1e%d away", i);
     }
     scenes_release(&s);
 }
@@ -317,8 +317,8 @@ static void test_tangents(void)
         }
         wrong += sqrt(ff - fw * fw / ww) > (double)0.7f * (1 + 1e-12);
     }
-    ok(hits > 20000 / STAT_SLOW && bad == 0, "tangents to a sphere: no NaN, %d hits", hits);
-    ok(wrong == 0, "tangents to a sphere: hits are within its radius (%d not)", wrong);
+    ok(hits > 20000 / STAT_SLOW && bad == 0, "F-18: tangents to a sphere: no NaN, %d hits", hits);
+    ok(wrong == 0, "F-18: tangents to a sphere: hits are within its radius (%d not)", wrong);
     scenes_release(&s);
 }
 

@@ -143,11 +143,11 @@ static void refuses_lies(void)
     w = good;
     w.samples.keys[0].sample = 32;
     refuses("a key outside the pass", w);
-    static const float bad[] = {NAN, INFINITY, -1};
+    static const float bad[] = {NAN, INFINITY, -INFINITY};
     for (size_t i = 0; i < countof(bad); i++) {
         w = message(&arena, false, 0);
         w.samples.sums[4799] = bad[i];
-        refuses(i == 0 ? "NaN" : i == 1 ? "infinity" : "a negative sum", w);
+        refuses(i == 0 ? "NaN" : i == 1 ? "infinity" : "minus infinity", w);
     }
     w = message(&arena, false, some_layers);
     w.samples.layer_sums[1] = NAN;

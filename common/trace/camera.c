@@ -3,19 +3,6 @@
 
 #include "common/trace/warp.h"
 
-f32x8 camera_filter(const struct scene_film *film, f32x8 u)
-{
-    switch (film->filter) {
-    case FILTER_BOX:
-        return (2 * u - 1) * film->filter_radius_px;
-    case FILTER_TENT: { /* the inverse of the integral of 1 - |x|, one side at a time */
-        const f32x8 left = f32x8_sqrt(2 * u) - 1, right = 1 - f32x8_sqrt(2 - 2 * u);
-        return f32x8_choose(u < 0.5f, left, right) * film->filter_radius_px;
-    }
-    }
-    __builtin_unreachable();
-}
-
 /* All members of struct stage_camera mean what stage.h says for the pinhole and the lens.
  * ORTHOGRAPHIC: origin is in the top left corner, dx and dy lead to other pixels' origins, corner
  * is all rays' direction. PANORAMIC: dx, dy, corner are right, up, ahead; unit. */

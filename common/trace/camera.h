@@ -1,8 +1,4 @@
-/* camera.h - pixel and sample to ray.
- *
- * A sample belongs to the pixel it was made for, with weight 1, and no other: the filter is the
- * density of its offset from the pixel's centre (M. Ernst, M. Stamminger, G. Greiner, "Filter
- * Importance Sampling", IEEE RT 2006). Hence tiles need no borders and never overlap.
+/* camera.h - a point of the frame to a ray.
  *
  * Perspective is a pinhole. A thin lens has the pinhole's rays start all over its aperture and
  * meet again where the pinhole's meets the plane in focus (R. Cook, T. Porter, L. Carpenter,
@@ -18,9 +14,6 @@
 #include "common/trace/sobol.h"
 #include "common/trace/sobol8.h"
 #include "common/trace/stage.h"
-
-/* Offsets in pixels, distributed as the filter: box and tent are symmetric and non-negative. */
-f32x8 camera_filter(const struct scene_film *, f32x8 u);
 
 /* The ray through a point of the frame, in pixels from its top left corner, and through a point of
  * the lens, which only a thin lens looks at. camera_ray: through its middle. */

@@ -26,13 +26,13 @@ static double depth(const struct stage_view *view, vec3 p)
     return (double)(none ? vec3_length(way) : vec3_dot(way, along));
 }
 
-void layer_surface(const struct stage *s, uint32_t layers, const struct path_starts *starts,
+void layer_surface(const struct stage *s, uint32_t layers, const struct wave_starts *starts,
                    const struct rng *rng, uint32_t sample, double channels[])
 {
-    const uint32_t replicate = sample % PATH_WAVE;
+    const uint32_t replicate = sample % WAVE_LANES;
     if (!(layers & LAYER_SURFACE) || !(starts->met >> replicate & 1))
         return;
-    const struct path_vertex first = path_first(s, starts, replicate), *v = &first;
+    const struct path_vertex first = wave_first(s, starts, replicate), *v = &first;
     channels[0] += 1;
     if (layers & LAYER_ALBEDO)
         add(channels + layers_at(layers, LAYER_ALBEDO), albedo(v, rng));
@@ -46,7 +46,7 @@ void layer_surface(const struct stage *s, uint32_t layers, const struct path_sta
         channels[layers_at(layers, LAYER_MATERIAL)] = 1 + (double)v->at.material;
 }
 
-void layer_bounces(uint32_t layers, const struct path_terms *terms, uint32_t i, rgb radiance,
+void layer_bounces(uint32_t layers, const struct wave_terms *terms, uint32_t i, rgb radiance,
                    double channels[])
 {
     double *to = channels + layers_bounces_at(layers);

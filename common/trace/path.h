@@ -1,27 +1,24 @@
-/* path.h - the path integrator: light along rays, by following them through the scene.
+/* path.h - the path integrator: light along a ray, by following it through the scene.
  *
  * J. Kajiya, "The Rendering Equation", SIGGRAPH 1986, with next-event estimation and multiple
  * importance sampling (E. Veach, L. Guibas, "Optimally Combining Sampling Techniques for Monte
  * Carlo Rendering", SIGGRAPH 1995, power heuristic).
  *
- * Up to eight paths go in step, so that their rays are traced together (bvh_hit_closest_8), and so
- * that vertices that are alike are treated in the lanes of vectors (path8.h). What comes out for
- * one does not depend on the others. SPDX-License-Identifier: MIT */
+ * Here is what one path does at one vertex: it looks at a light, is scattered, arrives. wave.h
+ * takes eight paths at a time through it, ray by ray; path8.h has the same for vertices that are
+ * plain. SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_PATH_H
 #define COMMON_TRACE_PATH_H
 
-#include "common/layers.h"
-#include "common/trace/path8.h"
+#include "common/trace/light.h"
 #include "common/trace/ray.h"
-#include "common/trace/rng.h"
+#include "common/trace/sobol.h"
 #include "common/trace/stage.h"
 #include "common/trace/surface.h"
 #include "common/trace/warp.h"
 
-enum {
-    PATH_WAVE = 8,           /* the most paths at once */
-    PATH_ROULETTE_BEGIN = 1, /* the first bounce after which a path may be ended by chance */
-};
+/* The first bounce after which a path may be ended by chance. */
+enum { PATH_ROULETTE_BEGIN = 1 };
 
 struct path_vertex { /* where a ray has arrived */
     struct surface at;
@@ -30,35 +27,50 @@ struct path_vertex { /* where a ray has arrived */
     vec3 wo; /* where the ray came from; local */
 };
 
-/* Camera rays: what paths and their siblings (rng.h) share. Bit i and number i are ray i's. */
-struct path_starts {
-    uint32_t met;         /* a surface: there is a vertex */
-    uint32_t ends;        /* nothing else comes along the ray */
-    uint32_t plain;       /* the vertex is in lanes */
-    rgb light[PATH_WAVE]; /* of the sky, or of the vertex itself */
-    struct path8_vertex lanes;
-    struct path_vertex vertices[PATH_WAVE]; /* those that are not plain */
+struct path {
+    rgb light; /* found so far */
+    rgb throughput;
+    float scale; /* what roulette divides out of throughput; from the first scattering on */
+    float pdf_w; /* of the last direction; 0: a delta lobe's, which next-event estimation cannot
+                  * make */
+    struct path_vertex vertex;
 };
 
-/* light[k][i]: of the light that path i finds, what was scattered at most k times. */
-struct path_terms {
-    uint32_t count; /* of those asked for */
-    rgb light[LAYERS_MAX_BOUNCES][PATH_WAVE];
+struct path_draw { /* the random numbers of a scattering */
+    struct square direction;
+    float lobe, roulette;
+    bool first;   /* the path's first scattering */
+    bool may_end; /* by chance */
 };
 
-/* The rays whose bit is set in `which`; their directions are unit. */
-void path_begin(const struct stage *, uint32_t which, const struct ray rays[],
-                struct path_starts *);
+/* What a vertex's surface.lit is, as far as anybody asks: the tree of lights. up: of the way out,
+ * over the geometric surface. */
+float path_lit(const struct stage *, const struct material *, float up);
 
-/* Of one that met a surface. */
-struct path_vertex path_first(const struct stage *, const struct path_starts *, uint32_t i);
+struct path_vertex path_vertex_make(const struct stage *, const struct ray *,
+                                    const struct ray_hit *);
 
-/* radiance[i], for each bit of `which`: one unbiased estimate of what arrives along ray i, with the
- * numbers of rngs[i], cut at settings.max_bounces scattering events. roulette_begin: the first
- * bounce after which a path may be ended by chance; UINT32_MAX for never. terms: NULL, or their
- * light is filled. */
-void path_radiance(const struct stage *, uint32_t which, const struct path_starts *,
-                   const struct rng rngs[], uint32_t roulette_begin, struct path_terms *terms,
-                   rgb radiance[]);
+/* What a ray that leaves the scene meets. pdf_w: of its direction, by the sampling that made it; 0:
+ * nothing else could have made it. */
+rgb path_beyond(const struct stage *, vec3 dir, float pdf_w);
+
+/* What the vertex emits to where the ray came from. */
+rgb path_emission(const struct stage *, const struct path_vertex *);
+
+struct path_lamp { /* the random numbers of a look at a light */
+    struct sobol_bits bits;
+    const struct light_pick *pick; /* what bits.u has picked; NULL: that is still to be done */
+};
+
+/* Light that may reach the vertex from one chosen emitter and goes on to wo, MIS-weighted. True:
+ * *light comes if *shadow hits nothing. */
+bool path_light_directly(const struct stage *, const struct path *, const struct path_lamp *,
+                         struct ray *shadow, rgb *light);
+
+/* The next ray; false: there is none. */
+bool path_scatter(struct path *, const struct path_draw *, struct ray *);
+
+/* The vertex where the ray has arrived, and what it emits. */
+void path_arrive(const struct stage *, struct path *, const struct path_vertex *);
 
 #endif

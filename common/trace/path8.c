@@ -109,16 +109,14 @@ uint32_t path8_scatter(struct path8 *p, const struct path8_draw *draw, struct ra
     wi.z = from_wo(v->wo.z, wi.z);
     p->throughput = vec8_mul(p->throughput, v->albedo);
     goes &= ~vec8_is_zero(p->throughput);
-    if (draw->first)
-        p->scale = vec8_most(p->throughput);
+    const f32x8 most = vec8_most(p->throughput);
+    p->scale = f32x8_choose(draw->first, most, p->scale);
     const struct vec8 dir = warp8_to_world(&v->frame, wi);
     goes &= vec8_dot(dir, v->at.ng) * wi.z > none;
-    if (draw->roulette) {
-        const f32x8 share = 2 * (vec8_most(p->throughput) / p->scale);
-        const f32x8 q = f32x8_choose(share < one, share, one);
-        goes &= (q >= one) | (*draw->roulette < q);
-        p->throughput = vec8_over(p->throughput, q);
-    }
+    const f32x8 share = 2 * (most / p->scale);
+    const f32x8 q = f32x8_choose(draw->may_end & (share < one), share, one);
+    goes &= (q >= one) | (draw->roulette < q);
+    p->throughput = vec8_over(p->throughput, q);
     surface8_leave(&v->at, dir, rays);
     return i32x8_mask(goes);
 }

@@ -3,7 +3,7 @@
  * That is most of them in most scenes.
  *
  * path.c is the definition. Here is the same arithmetic, operation by operation, so that a path's
- * bits do not depend on where it lives (tests/test_path8.c); whatever is not plain is path.c's,
+ * bits do not depend on where it lives (tests/test_wave.c); whatever is not plain is path.c's,
  * lane by lane. SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_PATH8_H
 #define COMMON_TRACE_PATH8_H
@@ -29,9 +29,26 @@ struct path8 { /* as struct path */
 
 struct path8_draw {
     struct sobol8_square direction;
-    const f32x8 *roulette; /* NULL: no path is ended by chance */
-    bool first;            /* the first scattering */
+    f32x8 roulette;
+    i32x8 first;   /* the path's first scattering */
+    i32x8 may_end; /* by chance */
 };
+
+/* Lane i becomes what lane k of `from` is. */
+static inline void path8_vertex_take(struct path8_vertex *to, uint32_t i,
+                                     const struct path8_vertex *from, uint32_t k)
+{
+    struct vec8 *const into[] = {&to->at.p,    &to->at.p_error, &to->at.ng, &to->frame.x,
+                                 &to->frame.y, &to->frame.z,    &to->wo,    &to->albedo};
+    const struct vec8 *const out[] = {&from->at.p,    &from->at.p_error, &from->at.ng,
+                                      &from->frame.x, &from->frame.y,    &from->frame.z,
+                                      &from->wo,      &from->albedo};
+    for (size_t n = 0; n < countof(into); n++)
+        vec8_set_lane(into[n], i, vec8_lane(out[n], k));
+    to->at.prim[i] = from->at.prim[k];
+    to->emitter[i] = from->emitter[k];
+    to->material[i] = from->material[k];
+}
 
 /* Bit i: hits[i], among `which`, is plain and lane i holds the vertex. */
 uint32_t path8_arrive(const struct stage *, uint32_t which, const struct ray rays[],

@@ -55,6 +55,7 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->materials, p->scene->materials, sizeof *p->scene->materials},
         {&head->emitters, p->emitters, sizeof *p->emitters},
         {&head->pick_cdf, p->pick_cdf, sizeof *p->pick_cdf},
+        {&head->knots, p->knots, sizeof *p->knots},
         {&head->lamps, NULL, sizeof(struct stage_lamps)},
         {&head->details, p->details, sizeof *p->details},
         {&head->corners, NULL, sizeof(struct stage_corners)},
@@ -165,6 +166,7 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
     prep_shapes(&p, crew);
     prep_lights(&p, scratch);
     prep_camera(&p.head.camera, scene);
+    prep_filter(&p, scratch);
     set_view(&p.head.view, &scene->camera);
     const bool fits = prep_detail_plan(&p, scratch, err) && check_lines(&p, err);
     if (fits) {

@@ -37,6 +37,7 @@ struct prep_plan {
     struct emitter *emitters;
     double *power; /* of each emitter */
     float *pick_cdf;
+    struct stage_knot *knots;
     struct stage_detail *details;
     struct prep_mesh *detail_meshes;
     uint32_t quad_uvs; /* as in struct prep_mesh */
@@ -102,5 +103,8 @@ double prep_map_make(struct prep_plan *, struct emitter *, const struct light *,
 /* The tree over emitters [0, far_begin), which know their triangles by their number among the
  * world's. radius: of the scene. */
 void prep_light_tree(struct prep_plan *, double radius, struct arena *scratch);
+
+/* The pixel filter's knots, if it has any; its zero and gain. */
+void prep_filter(struct prep_plan *, struct arena *scratch);
 
 #endif

@@ -5,15 +5,16 @@
 #include <string.h>
 
 #include "common/trace/camera.h"
+#include "common/trace/filter.h"
 #include "common/trace/layer.h"
-#include "common/trace/path.h"
 #include "common/trace/rng.h"
+#include "common/trace/wave.h"
 
-/* A sample above this is taken for an error. SCENE_MAX_SPP = 2^24 samples below it add up to less
- * than 2^127, so that no sum leaves the range of float. */
+/* A sample above this is taken for an error. SCENE_MAX_SPP = 2^24 samples below it, weighed by 16/9
+ * at most, add up to less than 2^127, so that no sum leaves the range of float. */
 #define RENDER_MAX_RADIANCE 0x1p+102f
 
-_Static_assert((int)FILM_REPLICATES == (int)PATH_WAVE, "an octet is a wave");
+_Static_assert((int)FILM_REPLICATES == (int)WAVE_LANES, "an octet's rays go together");
 
 /* A pixel's eight samples that differ in their replicate only: what they have in common is done
  * once, and their rays in the lanes of vectors. */
@@ -22,9 +23,10 @@ struct octet {
     uint32_t x_px, y_px;
     struct rng_pixel rng;
     struct camera_rays rays;
+    f32x8 weight;              /* of the elder's samples, if the filter is signed */
     uint32_t elder;            /* whose rays they are; UINT32_MAX: nobody's */
     uint32_t begun;            /* bit i: starts[i] is the elder's, too */
-    struct path_starts starts; /* for two siblings each */
+    struct wave_starts starts; /* for two siblings each */
 };
 
 static void octet_init(struct octet *o, const struct stage *s, uint32_t x_px, uint32_t y_px)
@@ -32,6 +34,7 @@ static void octet_init(struct octet *o, const struct stage *s, uint32_t x_px, ui
     o->stage = s;
     o->x_px = x_px;
     o->y_px = y_px;
+    o->weight = f32x8_splat(1);
     o->elder = UINT32_MAX;
     rng_pixel_init(&o->rng, s->settings.seed, x_px, y_px);
 }
@@ -55,8 +58,10 @@ static void octet_go(struct octet *o, uint32_t index)
     o->elder = index / 2;
     o->begun = 0;
     const struct sobol8_square q = rng_pixel_filter(&o->rng);
-    const f32x8 x = (float)o->x_px + 0.5f + camera_filter(&s->film, q.u);
-    const f32x8 y = (float)o->y_px + 0.5f + camera_filter(&s->film, q.v);
+    const f32x8 dx = filter_offset(s, q.u), dy = filter_offset(s, q.v);
+    const f32x8 x = (float)o->x_px + 0.5f + dx, y = (float)o->y_px + 0.5f + dy;
+    if (filter_is_signed(s))
+        o->weight = filter_weight(s, dx, dy);
     if (s->camera.kind == CAMERA_PERSPECTIVE)
         camera_rays(&s->camera, x, y, &o->rays);
     else
@@ -71,19 +76,17 @@ static void octet_begin(struct octet *o, uint32_t which)
         return;
     for (uint32_t i = 0; i < FILM_REPLICATES; i++)
         rays[i] = camera_rays_at(&o->stage->camera, &o->rays, i);
-    path_begin(o->stage, which, rays, &o->starts);
+    wave_begin(o->stage, which, rays, &o->starts);
     o->begun = which;
 }
 
-/* Radiance of those, by replicate, and its terms if they are asked for. */
-static void octet_radiance(struct octet *o, uint32_t which, rgb radiance[FILM_REPLICATES],
-                           struct path_terms *terms)
+/* Its paths into the wave, numbered from `number` on by replicate. */
+static void octet_put(struct octet *o, uint32_t which, struct wave *w, uint32_t number)
 {
-    const struct stage *s = o->stage;
-    octet_begin(o, which);
-    switch (s->settings.integrator) {
+    switch (o->stage->settings.integrator) {
     case INTEGRATOR_PATH:
-        path_radiance(s, which, &o->starts, o->rng.replicate, PATH_ROULETTE_BEGIN, terms, radiance);
+        octet_begin(o, which);
+        wave_put(w, which, &o->starts, o->rng.replicate, number);
         return;
     }
     __builtin_unreachable();
@@ -93,10 +96,13 @@ rgb render_sample(const struct stage *s, uint32_t x_px, uint32_t y_px, uint32_t 
 {
     const uint32_t replicate = sample % FILM_REPLICATES;
     struct octet o;
+    struct wave w;
     rgb radiance[FILM_REPLICATES];
+    wave_init(&w, s, PATH_ROULETTE_BEGIN, NULL, radiance);
     octet_init(&o, s, x_px, y_px);
     octet_go(&o, sample / FILM_REPLICATES);
-    octet_radiance(&o, 1u << replicate, radiance, NULL);
+    octet_put(&o, 1u << replicate, &w, 0);
+    wave_finish(&w);
     return radiance[replicate];
 }
 
@@ -111,67 +117,120 @@ static bool is_valid(rgb c)
 struct pixel {
     f64x4 sums[FILM_REPLICATES];
     double layers[LAYERS_MAX_CHANNELS];
-    struct path_terms terms;
 };
 
-/* What one octet adds: the samples [begin, end), all of it. */
-static void add_octet(struct octet *o, struct pixel *to, struct film_samples *out, uint32_t begin,
-                      uint32_t end)
-{
-    const uint32_t first = begin % FILM_REPLICATES, which = (1u << (end - begin)) - 1;
-    rgb radiance[FILM_REPLICATES];
-    octet_go(o, begin / FILM_REPLICATES);
-    octet_radiance(o, which << first, radiance, to->terms.count ? &to->terms : NULL);
-    for (uint32_t sample = begin; sample < end; sample++) {
-        const uint32_t i = sample % FILM_REPLICATES;
-        if (out->layers)
-            layer_surface(o->stage, out->layers, &o->starts, &o->rng.replicate[i], sample,
-                          to->layers);
-        if (!is_valid(radiance[i])) {
-            film_samples_note_invalid(out, (struct film_key){o->x_px, o->y_px, sample});
-            continue;
-        }
-        to->sums[i] += f64x4_of(radiance[i]);
-        if (to->terms.count)
-            layer_bounces(out->layers, &to->terms, i, radiance[i], to->layers);
-    }
-}
+/* A row of pixels. Its octets go through the wave in order, many together, so that its lanes are
+ * all but always taken; then what they have found is added up in the same order. (Layers ask for
+ * each octet alone: they want its starts as well.) */
+enum { ROW_OCTETS = 32 };
 
-static void render_pixel(const struct stage *s, struct film_samples *out, uint32_t x_px,
-                         uint32_t y_px, float sums[FILM_CHANNELS], float layers[])
-{
-    const uint32_t channels = layers_channels(out->layers);
+struct row {
+    struct film_samples *out;
+    float *sums, *layers; /* of the pixel that is being added up; layers: if there are any */
+    uint32_t channels;    /* of layers */
     struct pixel pixel;
     struct octet octet;
-    memset(pixel.sums, 0, sizeof pixel.sums);
-    memset(pixel.layers, 0, channels * sizeof pixel.layers[0]);
-    pixel.terms.count = layers_bounces(out->layers);
-    octet_init(&octet, s, x_px, y_px);
-    for (uint32_t i = out->pass.s_begin, end; i < out->pass.s_end; i = end) {
-        end = i - i % FILM_REPLICATES + FILM_REPLICATES;
-        if (end > out->pass.s_end)
-            end = out->pass.s_end;
-        add_octet(&octet, &pixel, out, i, end);
-    }
+    struct wave wave;
+    struct wave_terms terms;
+    uint32_t count; /* octets under way */
+    struct octet_samples {
+        f32x8 weight; /* by replicate, if the filter is signed */
+        uint32_t x_px, s_begin, s_end;
+    } octets[ROW_OCTETS];
+    rgb radiance[ROW_OCTETS * FILM_REPLICATES];
+};
+
+static void pixel_begin(struct row *r)
+{
+    memset(r->pixel.sums, 0, sizeof r->pixel.sums);
+    memset(r->pixel.layers, 0, r->channels * sizeof r->pixel.layers[0]);
+}
+
+static void pixel_end(struct row *r)
+{
     for (int i = 0; i < FILM_REPLICATES; i++)
-        vec3_store(sums + 3 * i, f64x4_round(pixel.sums[i]));
-    for (uint32_t i = 0; i < channels; i++)
-        layers[i] = (float)pixel.layers[i];
+        vec3_store(r->sums + 3 * i, f64x4_round(r->pixel.sums[i]));
+    r->sums += FILM_CHANNELS;
+    for (uint32_t i = 0; i < r->channels; i++)
+        *r->layers++ = (float)r->pixel.layers[i];
+}
+
+/* The filter's sign, and gain, on what sample i of the eight has brought, which was judged before.
+ */
+static void weigh(float weight, struct wave_terms *terms, uint32_t i, rgb *radiance)
+{
+    *radiance *= weight;
+    for (uint32_t k = 0; k < terms->count; k++)
+        terms->light[k][i] *= weight;
+}
+
+static void add_octet(struct row *r, const struct octet_samples *o, rgb radiance[])
+{
+    struct pixel *to = &r->pixel;
+    const uint32_t layers = r->out->layers;
+    if (o->s_begin == r->out->pass.s_begin)
+        pixel_begin(r);
+    for (uint32_t sample = o->s_begin; sample < o->s_end; sample++) {
+        const uint32_t i = sample % FILM_REPLICATES;
+        if (layers)
+            layer_surface(r->octet.stage, layers, &r->octet.starts, &r->octet.rng.replicate[i],
+                          sample, to->layers);
+        if (!is_valid(radiance[i])) {
+            film_samples_note_invalid(r->out, (struct film_key){o->x_px, r->octet.y_px, sample});
+            continue;
+        }
+        if (filter_is_signed(r->octet.stage))
+            weigh(o->weight[i], &r->terms, i, &radiance[i]);
+        to->sums[i] += f64x4_of(radiance[i]);
+        if (r->terms.count)
+            layer_bounces(layers, &r->terms, i, radiance[i], to->layers);
+    }
+    if (o->s_end == r->out->pass.s_end)
+        pixel_end(r);
+}
+
+static void row_flush(struct row *r)
+{
+    wave_finish(&r->wave);
+    for (uint32_t i = 0; i < r->count; i++)
+        add_octet(r, &r->octets[i], r->radiance + i * FILM_REPLICATES);
+    r->count = 0;
+}
+
+static void row_pixel(struct row *r, uint32_t x_px)
+{
+    const struct tile_pass pass = r->out->pass;
+    octet_init(&r->octet, r->octet.stage, x_px, r->octet.y_px);
+    for (uint32_t i = pass.s_begin, end; i < pass.s_end; i = end) {
+        const uint32_t first = i - i % FILM_REPLICATES;
+        end = min_u32(first + FILM_REPLICATES, pass.s_end);
+        octet_go(&r->octet, first / FILM_REPLICATES);
+        octet_put(&r->octet, (1u << (end - first)) - (1u << (i - first)), &r->wave,
+                  r->count * FILM_REPLICATES);
+        r->octets[r->count++] = (struct octet_samples){r->octet.weight, x_px, i, end};
+        if (r->count == ROW_OCTETS || r->out->layers)
+            row_flush(r);
+    }
 }
 
 void render_row(const struct stage *s, struct film_samples *out, uint32_t y_px)
 {
-    const struct tile_rect r = out->rect;
-    assert(y_px >= r.y_begin && y_px < r.y_end);
-    const size_t channels = layers_channels(out->layers);
-    const size_t before = (size_t)(y_px - r.y_begin) * (r.x_end - r.x_begin);
-    float *sums = out->sums + before * FILM_CHANNELS;
-    float *layers = channels ? out->layer_sums + before * channels : NULL;
-    for (uint32_t x = r.x_begin; x < r.x_end; x++, sums += FILM_CHANNELS) {
-        render_pixel(s, out, x, y_px, sums, layers);
-        if (layers)
-            layers += channels;
-    }
+    const struct tile_rect rect = out->rect;
+    assert(y_px >= rect.y_begin && y_px < rect.y_end);
+    const size_t before = (size_t)(y_px - rect.y_begin) * (rect.x_end - rect.x_begin);
+    struct row r;
+    r.out = out;
+    r.channels = layers_channels(out->layers);
+    r.sums = out->sums + before * FILM_CHANNELS;
+    r.layers = r.channels ? out->layer_sums + before * r.channels : NULL;
+    r.terms.count = layers_bounces(out->layers);
+    r.count = 0;
+    r.octet.stage = s;
+    r.octet.y_px = y_px;
+    wave_init(&r.wave, s, PATH_ROULETTE_BEGIN, r.terms.count ? &r.terms : NULL, r.radiance);
+    for (uint32_t x = rect.x_begin; x < rect.x_end; x++)
+        row_pixel(&r, x);
+    row_flush(&r);
 }
 
 void render_tile(const struct stage *s, struct film_samples *out)

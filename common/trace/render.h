@@ -18,7 +18,7 @@ void render_row(const struct stage *, struct film_samples *, uint32_t y_px);
 /* All rows. */
 void render_tile(const struct stage *, struct film_samples *);
 
-/* One sample's radiance, not yet judged finite: what render_row adds up. */
+/* One sample's radiance, not yet judged finite: what render_row adds up, after the filter's sign. */
 rgb render_sample(const struct stage *, uint32_t x_px, uint32_t y_px, uint32_t sample);
 
 #endif

@@ -137,6 +137,20 @@ static inline void rng8_make(struct rng8 *to, const struct rng r[], uint32_t cou
                 from[6].index_reversed, from[7].index_reversed};
 }
 
+static inline void rng8_set_lane(struct rng8 *r, uint32_t i, const struct rng *from)
+{
+    r->key[i / 4][i % 4] = from->key;
+    r->index_reversed[i] = from->index_reversed;
+}
+
+/* A bounce further: what was dimension rng_dimension(n + 1, p) is rng_dimension(n, p) now. So lanes
+ * at different bounces draw at once. */
+static inline void rng8_next_bounce(struct rng8 *r)
+{
+    for (int i = 0; i < 2; i++)
+        r->key[i] += RNG_PURPOSES * 0x9e3779b97f4a7c15u;
+}
+
 static inline u64x4 rng8_mix(u64x4 x)
 {
     x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;

@@ -29,6 +29,7 @@ static const struct row rows[] = {
     ROW(materials, struct material),
     ROW(emitters, struct emitter),
     ROW(pick_cdf, float),
+    ROW(knots, struct stage_knot),
     ROW(lamps, struct stage_lamps),
     ROW(details, struct stage_detail),
     ROW(corners, struct stage_corners),

@@ -215,6 +215,19 @@ struct stage_camera {   /* as perspective and thin lens have it; the others: cam
     float turns_x, turns_y;      /* PANORAMIC: per pixel */
 };
 
+/* A pixel filter that is no box and no tent: it is even in x and in y, and its absolute value, on one
+ * side, of mass 1, is straight between knots (filter.h). */
+struct stage_knot {
+    float x_px;
+    float density; /* per pixel */
+    float cdf;     /* mass up to here */
+};
+
+struct stage_filter {
+    float gain;    /* of a sample's weight, along each axis; 1: the filter is nowhere negative */
+    float zero_px; /* beyond this distance from the middle it is negative */
+};
+
 struct stage_view { /* what depth is measured along */
     float position[3];
     float direction[3]; /* unit; 0: none, depth is the distance */
@@ -229,6 +242,7 @@ struct stage {
     struct stage_camera camera;
     struct stage_view view;
     struct scene_film film;
+    struct stage_filter filter;
     struct scene_settings settings;
     rgb sky;                     /* radiance of rays that leave the scene */
     float bounds[2][3];          /* of all primitives */
@@ -251,6 +265,7 @@ struct stage {
     struct stage_span materials; /* struct material, names NULL */
     struct stage_span emitters;  /* struct emitter */
     struct stage_span pick_cdf;  /* float: cumulative pick, one more than emitters */
+    struct stage_span knots;     /* struct stage_knot, or none */
     struct stage_span lamps;     /* struct stage_lamps: one, or none */
     struct stage_span details;   /* struct stage_detail */
     struct stage_span corners;   /* struct stage_corners */

@@ -102,15 +102,17 @@ static void view(const struct material *m, enum scatter_side side, size_t i, uin
 
 static void report(const char *name, const struct worst *w, double most)
 {
-    ok(w->p > level(), "%s: samples follow the pdf from %u directions (p %.4f, detects %.3f rms)",
-       name, w->views, w->p, w->rms);
-    ok(w->mass < 1, "%s: pdf and rejections add up to 1 (%.2f of the 0.001 allowed)", name,
+    ok(w->p > level(),
+       "F-03: %s: samples follow the pdf from %u directions (p %.4f, detects %.3f rms)", name,
+       w->views, w->p, w->rms);
+    ok(w->mass < 1, "F-03: %s: pdf and rejections add up to 1 (%.2f of the 0.001 allowed)", name,
        w->mass);
     ok(w->pdf_off < 1e-4 && w->weight_off < 1e-4 && w->beyond == 0 && w->invalid == 0,
-       "%s: pdf sampled is pdf asked (%.1e), weights are eval / pdf (%.1e), none is out of reach",
+       "F-03: %s: pdf sampled is pdf asked (%.1e), weights are eval / pdf (%.1e), none is out of "
+       "reach",
        name, w->pdf_off, w->weight_off);
-    ok(w->made < 1.001 && w->most < most, "%s: no light is made (%.4f of it leaves at most)", name,
-       w->made);
+    ok(w->made < 1.001 && w->most < most, "F-29: %s: no light is made (%.4f of it leaves at most)",
+       name, w->made);
     const double margin = margins[stat_is_long()];
     if (STAT_SLOW == 1)
         ok(w->unequal < level() && w->margin < margin,

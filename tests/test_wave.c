@@ -1,7 +1,7 @@
-/* path8.c, light8.c, surface8.h, warp8.h: a path has the same bits in a lane as by itself, here
- * followed ray by ray with the functions for one.
+/* wave.c, path8.c, light8.c, surface8.h, warp8.h: a path has the same bits among others as by
+ * itself, here followed ray by ray with the functions for one.
  * SPDX-License-Identifier: MIT */
-#include "common/trace/path8.h"
+#include "common/trace/wave.h"
 
 #include <string.h>
 
@@ -9,7 +9,7 @@
 #include "common/trace/bvh.h"
 #include "common/trace/light.h"
 #include "common/trace/light8.h"
-#include "common/trace/path.h"
+
 #include "tests/dice.h"
 #include "tests/scenes.h"
 #include "tests/tap.h"
@@ -83,7 +83,8 @@ static bool arrive(struct alone *a, const struct ray *ray, bool first)
 {
     struct ray_hit hit;
     if (!bvh_hit_closest(a->stage, ray, &hit)) {
-        a->light += first ? a->stage->sky : a->throughput * a->stage->sky;
+        const rgb sky = path_beyond(a->stage, ray->dir, first ? 0 : a->pdf_w);
+        a->light += first ? sky : a->throughput * sky;
         return false;
     }
     const struct surface from = a->at;
@@ -164,40 +165,65 @@ static struct ray random_ray(struct dice *d)
     return (struct ray){origin, vec3_unit(dir), __builtin_inff(), 0, 0};
 }
 
+enum { OCTETS = 32, PATHS = OCTETS * WAVE_LANES };
+
+struct lot { /* of paths that go through a wave together */
+    const struct stage *stage;
+    uint32_t roulette_begin;
+    uint32_t which[OCTETS];
+    struct ray rays[PATHS];
+    struct rng rngs[PATHS];
+    rgb radiance[PATHS];
+    int other, lit, plain, all;
+};
+
+static void go_together(struct lot *l, struct dice *d, uint32_t key)
+{
+    struct wave wave;
+    wave_init(&wave, l->stage, l->roulette_begin, NULL, l->radiance);
+    for (uint32_t n = 0; n < OCTETS; n++) {
+        struct wave_starts starts;
+        struct ray *rays = &l->rays[n * WAVE_LANES];
+        struct rng *rngs = &l->rngs[n * WAVE_LANES];
+        for (uint32_t i = 0; i < WAVE_LANES; i++) {
+            rays[i] = random_ray(d);
+            rngs[i] = rng_make(key, i, n, dice_bits(d) % 4096);
+        }
+        l->which[n] = n % 3 ? 0xff : 1 + dice_bits(d) % 0xff;
+        wave_begin(l->stage, l->which[n], rays, &starts);
+        wave_put(&wave, l->which[n], &starts, rngs, n * WAVE_LANES);
+        l->plain += __builtin_popcount(starts.plain);
+    }
+    wave_finish(&wave);
+}
+
+static void compare(struct lot *l)
+{
+    for (uint32_t i = 0; i < PATHS; i++) {
+        if (!(l->which[i / WAVE_LANES] >> i % WAVE_LANES & 1))
+            continue;
+        const rgb one = radiance_alone(l->stage, l->rays[i], l->rngs[i], l->roulette_begin);
+        l->other += memcmp(&one, &l->radiance[i], 3 * sizeof(float)) != 0;
+        l->lit += !rgb_is_black(one);
+        l->all++;
+    }
+}
+
 static void paths_are_the_same(enum room room, const char *name)
 {
     struct scenes s;
     build(&s, room);
-    const struct stage *stage = scenes_stage(&s);
+    struct lot l = {.stage = scenes_stage(&s)};
     struct dice d = dice_make(room);
-    int other = 0, lit = 0, plain = 0, all = 0;
-    for (uint32_t n = 0; n < 1500; n++) {
-        struct ray rays[PATH_WAVE];
-        struct rng rngs[PATH_WAVE];
-        struct path_starts starts;
-        rgb radiance[PATH_WAVE];
-        const uint32_t which = n % 3 ? 0xff : 1 + dice_bits(&d) % 0xff;
-        const uint32_t roulette_begin = n % 5 ? PATH_ROULETTE_BEGIN : UINT32_MAX;
-        for (uint32_t i = 0; i < PATH_WAVE; i++) {
-            rays[i] = random_ray(&d);
-            rngs[i] = rng_make(n, i, room, dice_bits(&d) % 4096);
-        }
-        path_begin(stage, which, rays, &starts);
-        path_radiance(stage, which, &starts, rngs, roulette_begin, NULL, radiance);
-        for (uint32_t i = 0; i < PATH_WAVE; i++) {
-            if (!(which >> i & 1))
-                continue;
-            const rgb one = radiance_alone(stage, rays[i], rngs[i], roulette_begin);
-            other += memcmp(&one, &radiance[i], 3 * sizeof(float)) != 0;
-            lit += !rgb_is_black(one);
-            plain += starts.plain >> i & 1;
-            all++;
-        }
+    for (uint32_t n = 0; n < 48; n++) {
+        l.roulette_begin = n % 5 ? PATH_ROULETTE_BEGIN : UINT32_MAX;
+        go_together(&l, &d, n);
+        compare(&l);
     }
-    ok(other == 0 && lit > all / 4 && plain > all / 4,
+    ok(l.other == 0 && l.lit > l.all / 4 && l.plain > l.all / 4,
        "%s: of %d paths in lanes %d differ from themselves alone (%d lit, %d begin in lanes)", name,
-       all, other, lit, plain);
-    ok(light8_can(stage) == (room != ROUND_LAMP), "%s: its lights are %s a table for lanes", name,
+       l.all, l.other, l.lit, l.plain);
+    ok(light8_can(l.stage) == (room != ROUND_LAMP), "%s: its lights are %s a table for lanes", name,
        room == ROUND_LAMP ? "not in" : "in");
     scenes_release(&s);
 }

@@ -1,0 +1,344 @@
+/* SPDX-License-Identifier: MIT */
+#include "common/trace/wave.h"
+
+#include "common/trace/bsdf.h"
+#include "common/trace/bvh.h"
+#include "common/trace/light8.h"
+
+static inline uint32_t lowest(uint32_t lanes)
+{
+    return (uint32_t)__builtin_ctz(lanes);
+}
+
+/* --- one lane --- */
+
+static struct path_vertex vertex_of_lane(const struct stage *s, const struct path8_vertex *v,
+                                         uint32_t i)
+{
+    const vec3 ng = vec8_lane(&v->at.ng, i), wo = vec8_lane(&v->wo, i);
+    const struct material *m = (const struct material *)stage_at(s, s->materials) + v->material[i];
+    const struct surface at = {.p = vec8_lane(&v->at.p, i),
+                               .p_error = vec8_lane(&v->at.p_error, i),
+                               .ng = ng,
+                               .prim = v->at.prim[i],
+                               .material = v->material[i],
+                               .emitter = v->emitter[i],
+                               .lit = path_lit(s, m, wo[2])};
+    return (struct path_vertex){.at = at, .frame = warp_frame_make(ng), .material = m, .wo = wo};
+}
+
+static struct path path_of_lane(const struct wave *w, uint32_t i)
+{
+    return (struct path){.light = vec8_lane(&w->lanes.light, i),
+                         .throughput = vec8_lane(&w->lanes.throughput, i),
+                         .scale = w->lanes.scale[i],
+                         .pdf_w = w->lanes.pdf_w[i],
+                         .vertex = vertex_of_lane(w->stage, &w->lanes.vertex, i)};
+}
+
+/* Out of the lanes, and into them, with the vertex that it has come from. */
+static void leave_lanes(struct wave *w, uint32_t i)
+{
+    w->paths[i] = path_of_lane(w, i);
+    w->plain &= ~(1u << i);
+}
+
+static void enter_lanes(struct wave *w, uint32_t i)
+{
+    const struct path *p = &w->paths[i];
+    vec8_set_lane(&w->lanes.light, i, p->light);
+    vec8_set_lane(&w->lanes.throughput, i, p->throughput);
+    w->lanes.scale[i] = p->scale;
+    w->lanes.pdf_w[i] = p->pdf_w;
+    vec8_set_lane(&w->lanes.vertex.at.p, i, p->vertex.at.p);
+    if (w->stage->light_nodes.count) { /* what of the vertex the tree looks at */
+        vec8_set_lane(&w->lanes.vertex.at.ng, i, p->vertex.at.ng);
+        vec8_set_lane(&w->lanes.vertex.wo, i, p->vertex.wo);
+        w->lanes.vertex.material[i] = p->vertex.at.material;
+    }
+    w->plain |= 1u << i;
+}
+
+static rgb light_of(const struct wave *w, uint32_t i)
+{
+    return w->plain >> i & 1 ? vec8_lane(&w->lanes.light, i) : w->paths[i].light;
+}
+
+/* --- the first vertices --- */
+
+void wave_begin(const struct stage *s, uint32_t which, const struct ray rays[],
+                struct wave_starts *starts)
+{
+    struct ray_hit hits[WAVE_LANES];
+    const uint32_t found = bvh_hit_closest_8(s, which, rays, hits);
+    starts->met = found;
+    starts->ends = s->settings.max_bounces == 0 ? which : which & ~found;
+    starts->plain = path8_arrive(s, found, rays, hits, &starts->lanes);
+    for (uint32_t left = which; left; left &= left - 1) {
+        const uint32_t i = lowest(left), bit = 1u << i;
+        starts->light[i] = found & bit ? rgb_gray(0) : path_beyond(s, rays[i].dir, 0);
+        if (found & bit & ~starts->plain)
+            starts->vertices[i] = path_vertex_make(s, &rays[i], &hits[i]);
+        if (found & bit & ~(starts->plain & ~starts->lanes.shining)) {
+            const struct path_vertex v = wave_first(s, starts, i);
+            starts->light[i] = path_emission(s, &v);
+        }
+    }
+}
+
+struct path_vertex wave_first(const struct stage *s, const struct wave_starts *starts, uint32_t i)
+{
+    return starts->plain >> i & 1 ? vertex_of_lane(s, &starts->lanes, i) : starts->vertices[i];
+}
+
+/* --- from vertices to rays --- */
+
+static void draw(struct wave *w)
+{
+    bool lobes = false;
+    for (uint32_t left = w->going & ~w->plain; left; left &= left - 1)
+        lobes = lobes || bsdf_has_lobes(w->paths[lowest(left)].vertex.material);
+    w->draw.direction = rng8_pair(&w->rng, rng_dimension(0, RNG_BSDF_DIRECTION));
+    if (w->stage->emitters.count > 0)
+        w->lamp = rng8_pair_bits(&w->rng, rng_dimension(0, RNG_LIGHT));
+    if (lobes)
+        w->lobe = rng8_single(&w->rng, rng_dimension(0, RNG_BSDF_LOBE));
+    w->draw.first = w->bounce == 0;
+    w->draw.may_end = w->bounce >= w->roulette_begin;
+    if (w->going & i32x8_mask(w->draw.may_end))
+        w->draw.roulette = rng8_single(&w->rng, rng_dimension(0, RNG_ROULETTE));
+}
+
+/* Light that may reach the vertices. Bit i: light[i], in lanes for those that are there, comes if
+ * shadows[i] hits nothing. */
+struct direct {
+    uint32_t lanes, others;
+    struct vec8 of_lanes;
+    rgb of_others[WAVE_LANES];
+};
+
+/* Of many lights one for each path that has use for it, chosen side by side. */
+static void pick_lights(const struct wave *w, struct light_pick picks[WAVE_LANES])
+{
+    const struct surface *from[WAVE_LANES];
+    uint32_t path[WAVE_LANES], bits[WAVE_LANES], count = 0;
+    struct light_pick found[WAVE_LANES];
+    for (uint32_t left = w->going; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        if (bsdf_is_delta(w->paths[i].vertex.material))
+            continue;
+        from[count] = &w->paths[i].vertex.at;
+        bits[count] = w->lamp.u[i];
+        path[count++] = i;
+    }
+    light_pick(w->stage, from, bits, count, found);
+    for (uint32_t k = 0; k < count; k++)
+        picks[path[k]] = found[k];
+}
+
+static void look_at_lights(struct wave *w, struct direct *d)
+{
+    const struct stage *s = w->stage;
+    const uint32_t lanes = light8_can(s) ? w->going & w->plain : 0;
+    d->lanes = d->others = 0;
+    if (s->emitters.count == 0)
+        return;
+    if (lanes)
+        d->lanes = lanes & path8_light_directly(s, &w->lanes, &w->lamp, w->shadows, &d->of_lanes);
+    const bool many = s->light_nodes.count > 0;
+    struct light_pick picks[WAVE_LANES];
+    for (uint32_t left = w->going & w->plain & ~lanes; left; left &= left - 1)
+        w->paths[lowest(left)] = path_of_lane(w, lowest(left));
+    if (many)
+        pick_lights(w, picks);
+    for (uint32_t left = w->going & ~lanes; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        const struct path_lamp lamp = {{w->lamp.u[i], w->lamp.v[i]}, many ? &picks[i] : NULL};
+        d->others |=
+            (uint32_t)path_light_directly(s, &w->paths[i], &lamp, &w->shadows[i], &d->of_others[i])
+            << i;
+    }
+}
+
+static void add_to_lanes(struct wave *w, uint32_t lanes, struct vec8 light)
+{
+    w->lanes.light =
+        vec8_choose(i32x8_of_bits(lanes), vec8_add(w->lanes.light, light), w->lanes.light);
+}
+
+static void add_direct(struct wave *w, const struct direct *d)
+{
+    const uint32_t seen = ~bvh_hit_any_8(w->stage, d->lanes | d->others, w->shadows);
+    if (d->lanes & seen)
+        add_to_lanes(w, d->lanes & seen, d->of_lanes);
+    for (uint32_t left = d->others & seen; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        if (w->plain >> i & 1)
+            vec8_set_lane(&w->lanes.light, i, light_of(w, i) + d->of_others[i]);
+        else
+            w->paths[i].light += d->of_others[i];
+    }
+}
+
+/* Bit i: path i goes on along rays[i]. */
+static uint32_t scatter(struct wave *w)
+{
+    uint32_t next = w->going & w->plain;
+    if (next)
+        next &= path8_scatter(&w->lanes, &w->draw, w->rays);
+    for (uint32_t left = w->going & ~w->plain; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        const struct path_draw one = {
+            .direction = {w->draw.direction.u[i], w->draw.direction.v[i]},
+            .lobe = w->lobe[i],
+            .roulette = w->draw.roulette[i],
+            .first = w->draw.first[i] != 0,
+            .may_end = w->draw.may_end[i] != 0,
+        };
+        next |= (uint32_t)path_scatter(&w->paths[i], &one, &w->rays[i]) << i;
+    }
+    return next;
+}
+
+/* --- from rays to vertices --- */
+
+/* The sky and what stands in it, where a path ends. */
+static void leave_scene(struct wave *w, uint32_t which)
+{
+    const struct stage *s = w->stage;
+    if (s->beyond_begin == s->emitters.count && which & w->plain) { /* the same for all of them */
+        const struct vec8 sky = {f32x8_splat(s->sky[0]), f32x8_splat(s->sky[1]),
+                                 f32x8_splat(s->sky[2])};
+        add_to_lanes(w, which & w->plain, vec8_mul(w->lanes.throughput, sky));
+        which &= ~w->plain;
+    }
+    for (; which; which &= which - 1) {
+        const uint32_t i = lowest(which);
+        if (w->plain >> i & 1)
+            leave_lanes(w, i);
+        struct path *p = &w->paths[i];
+        p->light += p->throughput * path_beyond(s, w->rays[i].dir, p->pdf_w);
+    }
+}
+
+/* A vertex in lanes that emits. */
+static void find_emission(struct wave *w, const struct path8_vertex *at, uint32_t i)
+{
+    struct path p = path_of_lane(w, i);
+    const struct path_vertex v = vertex_of_lane(w->stage, at, i);
+    path_arrive(w->stage, &p, &v);
+    vec8_set_lane(&w->lanes.light, i, p.light);
+}
+
+static void arrive(struct wave *w, uint32_t which)
+{
+    const struct stage *s = w->stage;
+    struct ray_hit hits[WAVE_LANES];
+    struct path8_vertex at;
+    const uint32_t found = bvh_hit_closest_8(s, which, w->rays, hits);
+    leave_scene(w, which & ~found);
+    const uint32_t plain = path8_arrive(s, found, w->rays, hits, &at);
+    for (uint32_t left = found & ~plain; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        const struct path_vertex v = path_vertex_make(s, &w->rays[i], &hits[i]);
+        if (w->plain >> i & 1)
+            leave_lanes(w, i);
+        path_arrive(s, &w->paths[i], &v);
+    }
+    for (uint32_t left = plain & ~w->plain; left; left &= left - 1)
+        enter_lanes(w, lowest(left));
+    for (uint32_t left = plain & at.shining; left; left &= left - 1)
+        find_emission(w, &at, lowest(left));
+    if (plain)
+        w->lanes.vertex = at;
+    w->going = found & i32x8_mask(w->bounce + 1 < s->settings.max_bounces);
+}
+
+/* --- the way of a path --- */
+
+/* What has been found up to here; of a path that has ended, for all bounces to come as well. */
+static void note_terms(struct wave_terms *terms, uint32_t bounce, bool ended, uint32_t number,
+                       rgb light)
+{
+    const uint32_t end = ended ? terms->count : bounce + 1;
+    for (uint32_t k = bounce; k < end && k < terms->count; k++)
+        terms->light[k][number] = light;
+}
+
+static void step(struct wave *w)
+{
+    const uint32_t before = w->going;
+    struct direct direct;
+    draw(w);
+    look_at_lights(w, &direct);
+    const uint32_t next = scatter(w);
+    add_direct(w, &direct);
+    arrive(w, next);
+    w->bounce += 1;
+    rng8_next_bounce(&w->rng);
+    for (uint32_t left = w->terms ? before : 0; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        note_terms(w->terms, w->bounce[i], !(w->going >> i & 1), w->number[i], light_of(w, i));
+    }
+    for (uint32_t left = before & ~w->going; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        w->radiance[w->number[i]] = light_of(w, i);
+    }
+}
+
+void wave_init(struct wave *w, const struct stage *s, uint32_t roulette_begin,
+               struct wave_terms *terms, rgb radiance[])
+{
+    w->stage = s;
+    w->roulette_begin = roulette_begin;
+    w->terms = terms;
+    w->radiance = radiance;
+    w->going = w->plain = 0;
+    w->lobe = w->draw.roulette = (f32x8){0};
+}
+
+/* A path from start k into the lane i, which is free. */
+static void begin_path(struct wave *w, uint32_t i, const struct wave_starts *starts, uint32_t k)
+{
+    const rgb light = starts->light[k], all = {1, 1, 1, 0};
+    w->going |= 1u << i;
+    if (starts->plain >> k & 1) {
+        w->plain |= 1u << i;
+        vec8_set_lane(&w->lanes.light, i, light);
+        vec8_set_lane(&w->lanes.throughput, i, all);
+        path8_vertex_take(&w->lanes.vertex, i, &starts->lanes, k);
+    } else {
+        w->plain &= ~(1u << i);
+        w->paths[i].light = light;
+        w->paths[i].throughput = all;
+        w->paths[i].vertex = starts->vertices[k];
+    }
+}
+
+void wave_put(struct wave *w, uint32_t which, const struct wave_starts *starts,
+              const struct rng rngs[], uint32_t number)
+{
+    for (; which; which &= which - 1) {
+        const uint32_t k = lowest(which);
+        const bool ends = starts->ends >> k & 1;
+        if (w->terms)
+            note_terms(w->terms, 0, ends, number + k, starts->light[k]);
+        if (ends) {
+            w->radiance[number + k] = starts->light[k];
+            continue;
+        }
+        while (w->going == (1u << WAVE_LANES) - 1)
+            step(w);
+        const uint32_t i = lowest(~w->going);
+        begin_path(w, i, starts, k);
+        w->number[i] = number + k;
+        w->bounce[i] = 0;
+        rng8_set_lane(&w->rng, i, &rngs[k]);
+    }
+}
+
+void wave_finish(struct wave *w)
+{
+    while (w->going)
+        step(w);
+}

@@ -1,0 +1,81 @@
+/* wave.h - eight paths on the way at once: their rays are traced together (bvh_hit_closest_8),
+ * their random numbers are made together, and their vertices are treated together where they are
+ * plain (path8.h). Where a path has ended another takes its place, at its own first bounce. What
+ * comes out for one does not depend on the others.
+ *
+ *     wave_begin    camera rays -> starts, for a path and its sibling each
+ *     wave_put      paths from starts into the wave, which goes on until there is room for them
+ *     wave_finish   until all have ended: then every path's radiance is where wave_init was told
+ *
+ * One thread; the caller's storage, nothing to release.
+ * SPDX-License-Identifier: MIT */
+#ifndef COMMON_TRACE_WAVE_H
+#define COMMON_TRACE_WAVE_H
+
+#include "common/layers.h"
+#include "common/trace/path.h"
+#include "common/trace/path8.h"
+#include "common/trace/rng.h"
+
+enum { WAVE_LANES = 8 };
+
+/* Camera rays: what paths and their siblings (rng.h) share. Bit i and number i are ray i's. */
+struct wave_starts {
+    uint32_t met;          /* a surface: there is a vertex */
+    uint32_t ends;         /* nothing else comes along the ray */
+    uint32_t plain;        /* the vertex is in lanes */
+    rgb light[WAVE_LANES]; /* of the sky, or of the vertex itself */
+    struct path8_vertex lanes;
+    struct path_vertex vertices[WAVE_LANES]; /* those that are not plain */
+};
+
+/* light[k][n]: of the light that path n finds, what was scattered at most k times. */
+struct wave_terms {
+    uint32_t count; /* of those asked for; then paths have numbers below WAVE_LANES */
+    rgb light[LAYERS_MAX_BOUNCES][WAVE_LANES];
+};
+
+/* By lane: bit i and number i are lane i's. */
+struct wave {
+    const struct stage *stage;
+    uint32_t roulette_begin;
+    rgb *radiance;            /* by the path's number; the caller's */
+    struct wave_terms *terms; /* or NULL; the caller's */
+
+    uint32_t going; /* lanes with a path that has a vertex to go on from */
+    uint32_t plain; /* where the path is: in lanes, or in paths */
+    struct path8 lanes;
+    struct path paths[WAVE_LANES];
+    uint32_t number[WAVE_LANES]; /* the path's */
+    u32x8 bounce;
+    struct rng8 rng;
+
+    /* A bounce's random numbers: made for all at once, which costs less than for two of them alone.
+     */
+    struct sobol8_bits lamp;
+    struct path8_draw draw;
+    f32x8 lobe;
+
+    struct ray rays[WAVE_LANES], shadows[WAVE_LANES];
+};
+
+/* The rays whose bit is set in `which`; their directions are unit. */
+void wave_begin(const struct stage *, uint32_t which, const struct ray rays[],
+                struct wave_starts *);
+
+/* Of a ray that met a surface. */
+struct path_vertex wave_first(const struct stage *, const struct wave_starts *, uint32_t i);
+
+/* radiance[n]: one unbiased estimate of what arrives along the ray of path n, cut at
+ * settings.max_bounces scattering events. roulette_begin: the first bounce after which a path may
+ * be ended by chance; UINT32_MAX for never. terms: NULL, or their light is filled. */
+void wave_init(struct wave *, const struct stage *, uint32_t roulette_begin, struct wave_terms *,
+               rgb radiance[]);
+
+/* For each bit i of `which`: path number + i, along ray i, with the numbers of rngs[i]. */
+void wave_put(struct wave *, uint32_t which, const struct wave_starts *, const struct rng rngs[],
+              uint32_t number);
+
+void wave_finish(struct wave *);
+
+#endif
