@@ -233,3 +233,15 @@ void naive_path_sample(const struct stage *s, uint32_t x_px, uint32_t y_px, stru
     const struct ray ray = {vec3_load(c->origin), vec3_unit(dir), INFINITY, 0, 0};
     naive_path_radiance(s, ray, dice, sum);
 }
+
+struct stat_mean naive_path_mean(const struct stage *s, uint32_t samples, uint64_t seed)
+{
+    struct dice dice = dice_make(seed);
+    struct stat_mean mean = {0};
+    for (uint32_t i = 0; i < samples; i++) {
+        double sum[3] = {0};
+        naive_path_sample(s, i % 8, i / 8 % 8, &dice, sum);
+        stat_add(&mean, sum[1]);
+    }
+    return mean;
+}

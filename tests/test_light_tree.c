@@ -313,13 +313,7 @@ static void paths_agree(void)
     struct film film;
     scenes_render(stage, stat_tries(1024, 8192), &film);
     const struct scenes_mean ours = scenes_mean(&film, 1);
-    struct stat_mean naive = {0};
-    const uint32_t n = stat_tries(600000, 6000000);
-    for (uint32_t i = 0; i < n; i++) {
-        double sum[3] = {0};
-        naive_path_sample(stage, i % 8, i / 8 % 8, &dice, sum);
-        stat_add(&naive, sum[1]);
-    }
+    const struct stat_mean naive = naive_path_mean(stage, stat_tries(600000, 6000000), 5);
     const double error = hypot(ours.error, stat_error(&naive));
     ok(fabs(ours.mean - naive.mean) < 3.9 * error && stage->light_nodes.count > 0,
        "600 lamps on both sides of ground glass: %.5f is %.5f by directions alone (detects %.2f "
