@@ -49,6 +49,13 @@ BEYOND_A_SCHEMA = {
     "light-environment-moved": "geometry of a transform",
     "light-environment-squeezed": "geometry of a transform",
     "light-environment-two": "a count of some of the lights",
+    "material-leaf-sum": "sum of two colours",
+    "material-mix-dangling": "a name against names",
+    "material-mix-of-itself": "what names lead to",
+    "material-mix-in-a-ring": "what names lead to",
+    "material-nested-deep": "what names lead to",
+    "material-mask-shines": "a shape against its material",
+    "material-two-sided-glass": "a name's material",
     "light-spot-angles": "one angle against the other",
     "material-unknown-of-many": "a name against names",
     "material-unknown-of-none": "a name against names",
@@ -56,6 +63,8 @@ BEYOND_A_SCHEMA = {
     "sphere-world-huge": "product of steps",
     "sphere-world-tiny": "product of steps",
     "texture-image-exr-srgb": "one key against another",
+    "textured-unknown": "a name against names",
+    "textured-without-textures": "a name against names",
     "transform-singular-matrix": "geometry of a matrix",
 }
 

@@ -51,8 +51,9 @@ struct ways {
 static struct ways three_ways(const struct stage *stage, struct ray ray, uint32_t count)
 {
     struct ways w = {.aimed = {0}};
+    const struct rng first = rng_make(17, 0, 0, 0);
     struct wave_starts start;
-    wave_begin(stage, 1, &ray, &start);
+    wave_begin(stage, 1, &ray, &first, &start);
     const struct path_vertex vertex = wave_first(stage, &start, 0);
     for (uint32_t i = 0; i < count; i++) {
         const struct rng rng = rng_make(17, i & 0xffff, i >> 16, 0);

@@ -75,7 +75,7 @@ static void two_alone(const struct stage *stage, uint32_t pixel, uint32_t i, dou
     const struct ray ray =
         camera_ray(&stage->camera, (float)(pixel % SIDE) + q.u, (float)(pixel / SIDE) + q.v);
     const struct ray rays[2] = {ray, ray};
-    wave_begin(stage, 3, rays, &starts);
+    wave_begin(stage, 3, rays, rngs, &starts);
     scenes_follow(stage, 3, &starts, rngs, PATH_ROULETTE_BEGIN, radiance);
     for (int k = 0; k < 2; k++)
         light[k] = (double)rgb_luminance(radiance[k]);

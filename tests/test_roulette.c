@@ -76,9 +76,12 @@ static void walk(const struct stage *stage, struct ray ray, uint32_t roulette_be
 {
     struct wave_starts starts;
     struct ray rays[WAVE_LANES];
-    for (uint32_t i = 0; i < WAVE_LANES; i++)
+    struct rng first[WAVE_LANES];
+    for (uint32_t i = 0; i < WAVE_LANES; i++) {
         rays[i] = ray;
-    wave_begin(stage, 0xff, rays, &starts);
+        first[i] = rng_make(9, 0, 0, i);
+    }
+    wave_begin(stage, 0xff, rays, first, &starts);
     for (uint32_t i = 0; i < count; i += WAVE_LANES) {
         struct rng rngs[WAVE_LANES];
         rgb light[WAVE_LANES];

@@ -32,6 +32,8 @@ struct bsdf_sample {
 
 static inline bool bsdf_is_delta(const struct material *m)
 {
+    if (m->kind == MATERIAL_DIFFUSE) /* most are: said before the choice */
+        return false;
     switch (m->kind) {
     case MATERIAL_DIFFUSE:
         return false;
@@ -42,22 +44,41 @@ static inline bool bsdf_is_delta(const struct material *m)
                m->dielectric.alpha * (m->dielectric.ior - 1) < BSDF_LEAST_ALPHA;
     case MATERIAL_CONDUCTOR:
         return m->conductor.alpha < BSDF_LEAST_ALPHA;
+    case MATERIAL_RETROREFLECTOR:
+        return m->retro.alpha < BSDF_LEAST_ALPHA;
+    case MATERIAL_ROUGH_DIFFUSE:
+    case MATERIAL_LEAF:
+    case MATERIAL_PLASTIC:
+    case MATERIAL_CLOTH:
+        return false;
+    case MATERIAL_MIX: /* looked through before (material.h) */
+    case MATERIAL_MASK:
+    case MATERIAL_TWO_SIDED:
+        break;
     case MATERIAL_METAL:
         return m->metal.alpha_x < BSDF_LEAST_ALPHA && m->metal.alpha_y < BSDF_LEAST_ALPHA;
     }
     __builtin_unreachable();
 }
 
-/* Whether light stays on the side from which it came. */
+/* Whether light surely stays on the side from which it came. */
 static inline bool bsdf_is_opaque(const struct material *m)
 {
     switch (m->kind) {
     case MATERIAL_DIFFUSE:
+    case MATERIAL_ROUGH_DIFFUSE:
     case MATERIAL_MIRROR:
     case MATERIAL_CONDUCTOR:
     case MATERIAL_METAL:
+    case MATERIAL_RETROREFLECTOR:
+    case MATERIAL_PLASTIC:
+    case MATERIAL_CLOTH:
         return true;
     case MATERIAL_DIELECTRIC:
+    case MATERIAL_LEAF:
+    case MATERIAL_MIX: /* of anything */
+    case MATERIAL_MASK:
+    case MATERIAL_TWO_SIDED:
         return false;
     }
     __builtin_unreachable();
@@ -66,7 +87,10 @@ static inline bool bsdf_is_opaque(const struct material *m)
 /* Whether sampling chooses among kinds of scattering: else bsdf_sample does not look at `lobe`. */
 static inline bool bsdf_has_lobes(const struct material *m)
 {
-    return m->kind == MATERIAL_DIELECTRIC || m->kind == MATERIAL_METAL;
+    const uint32_t lobed = 1u << MATERIAL_DIELECTRIC | 1u << MATERIAL_ROUGH_DIFFUSE |
+                           1u << MATERIAL_LEAF | 1u << MATERIAL_PLASTIC | 1u << MATERIAL_CLOTH |
+                           1u << MATERIAL_METAL;
+    return lobed >> m->kind & 1;
 }
 
 /* f |wi.z|. */

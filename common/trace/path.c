@@ -3,6 +3,8 @@
 
 #include "common/trace/bsdf.h"
 #include "common/trace/light.h"
+#include "common/trace/path_media.h"
+#include "common/trace/textured.h"
 #include "common/trace/warp.h"
 
 /* The power heuristic with exponent 2 for the technique of density a beside one of density b. As a
@@ -34,8 +36,18 @@ float path_lit(const struct stage *s, const struct material *m, float up)
     return up < 0 ? -1 : 1;
 }
 
+/* Where textures are looked at for a vertex. */
+__attribute__((noinline)) static void find_point(const struct stage *s, const struct ray *ray,
+                                                 const struct ray_hit *hit, float width,
+                                                 struct path_vertex *v)
+{
+    const struct stage_detail *d = surface_detail_of(s, hit->prim, hit->instance);
+    const struct surface_detail detail = surface_detail_at(s, d, hit, &v->at);
+    v->point = textured_point(&detail, v->at.ng, ray->dir, width);
+}
+
 struct path_vertex path_vertex_make(const struct stage *s, const struct ray *ray,
-                                    const struct ray_hit *hit)
+                                    const struct ray_hit *hit, float width)
 {
     const struct surface at = surface_at(s, ray, hit);
     const struct warp_frame frame = warp_frame_make(at.ng);
@@ -46,6 +58,8 @@ struct path_vertex path_vertex_make(const struct stage *s, const struct ray *ray
         .wo = warp_to_local(&frame, -ray->dir),
     };
     v.at.lit = path_lit(s, v.material, -vec3_dot(ray->dir, at.ng));
+    if (s->slots.count && textured_needs(v.material))
+        find_point(s, ray, hit, width, &v);
     return v;
 }
 
@@ -86,6 +100,8 @@ bool path_light_directly(const struct stage *s, const struct path *p, const stru
     f *= sample.value;
     if (sample.pdf_w != 0)
         f *= mis_weight(sample.pdf_w, bsdf_pdf_w(m, v->wo, wi));
+    if (p->media)
+        f *= path_media_passed(s, p, wi, &sample.shadow);
     *shadow = sample.shadow;
     *light = p->throughput * f;
     return true;
@@ -113,6 +129,8 @@ bool path_scatter(struct path *p, const struct path_draw *draw, struct ray *ray)
             p->throughput /= q;
         }
     }
+    if (p->media)
+        path_media_leave(p, next.wi);
     *ray = surface_leave(&v->at, dir);
     return true;
 }

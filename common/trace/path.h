@@ -15,6 +15,7 @@
 #include "common/trace/sobol.h"
 #include "common/trace/stage.h"
 #include "common/trace/surface.h"
+#include "common/trace/texture.h"
 #include "common/trace/warp.h"
 
 /* The first bounce after which a path may be ended by chance. */
@@ -24,11 +25,15 @@ struct path_vertex { /* where a ray has arrived */
     struct surface at;
     struct warp_frame frame;
     const struct material *material;
-    vec3 wo; /* where the ray came from; local */
+    vec3 wo;                    /* where the ray came from; local */
+    struct texture_point point; /* for the textures of a material that has some */
 };
 
+struct path_media;
+
 struct path {
-    rgb light; /* found so far */
+    struct path_media *media; /* NULL: the scene has none (path_media.h) */
+    rgb light;                /* found so far */
     rgb throughput;
     float scale; /* what roulette divides out of throughput; from the first scattering on */
     float pdf_w; /* of the last direction; 0: a delta lobe's, which next-event estimation cannot
@@ -47,8 +52,9 @@ struct path_draw { /* the random numbers of a scattering */
  * over the geometric surface. */
 float path_lit(const struct stage *, const struct material *, float up);
 
+/* width: of the ray's cone at the hit, in m (cone.h). */
 struct path_vertex path_vertex_make(const struct stage *, const struct ray *,
-                                    const struct ray_hit *);
+                                    const struct ray_hit *, float width);
 
 /* What a ray that leaves the scene meets. pdf_w: of its direction, by the sampling that made it; 0:
  * nothing else could have made it. */

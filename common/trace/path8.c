@@ -9,46 +9,51 @@ struct found { /* what has to be looked up, lane by lane */
     const float *corners[8];
     vec3 albedo[8], dir[8];
     _Alignas(32) float u[8], v[8];
-    _Alignas(32) uint32_t prim[8];
+    _Alignas(32) uint32_t prim[8], emitter[8], material[8];
+};
+
+struct tables {
+    const struct stage_shape *shapes;
+    const struct material *materials;
+    const struct stage_block *blocks;
 };
 
 /* False: it is not plain. */
-static inline bool look_up(const struct stage *s, uint32_t i, const struct ray_hit *hit,
-                           struct found *f, struct path8_vertex *v)
+static inline bool look_up(const struct stage *s, const struct tables *t, uint32_t i,
+                           const struct ray_hit *hit, struct found *f)
 {
     if (hit->place.kind != STAGE_TRIANGLE || hit->instance != STAGE_NONE)
         return false;
-    const struct stage_shape *shape =
-        (const struct stage_shape *)stage_at(s, s->shapes) + stage_shape_of(s, hit->prim);
-    const struct material *m = (const struct material *)stage_at(s, s->materials) + shape->material;
-    if (m->kind != MATERIAL_DIFFUSE)
+    const struct stage_shape *shape = &t->shapes[stage_shape_of(s, hit->prim)];
+    const struct material *m = &t->materials[shape->material];
+    if (m->kind != MATERIAL_DIFFUSE || shape->detail != STAGE_NONE || m->slot_begin != m->slot_end)
         return false;
-    const struct stage_block *block =
-        (const struct stage_block *)stage_at(s, s->blocks) + hit->place.index / STAGE_LANES;
+    const struct stage_block *block = &t->blocks[hit->place.index / STAGE_LANES];
     f->corners[i] = &block->v[0][0][hit->place.index % STAGE_LANES];
     f->albedo[i] = m->diffuse.albedo;
     f->u[i] = hit->u;
     f->v[i] = hit->v;
     f->prim[i] = hit->prim;
-    v->material[i] = shape->material;
-    v->emitter[i] = shape->emitter_begin == STAGE_NONE
-                        ? STAGE_NONE
-                        : shape->emitter_begin + hit->prim - shape->prim_begin;
+    f->material[i] = shape->material;
+    f->emitter[i] = STAGE_NONE;
+    if (shape->emitter_begin != STAGE_NONE)
+        f->emitter[i] = shape->emitter_begin + hit->prim - shape->prim_begin;
     return true;
 }
 
 uint32_t path8_arrive(const struct stage *s, uint32_t which, const struct ray rays[],
                       const struct ray_hit hits[], struct path8_vertex *v)
 {
-    struct found f = {.u = {0}};
-    uint32_t plain = 0, emits = 0;
+    const struct tables tables = {stage_at(s, s->shapes), stage_at(s, s->materials),
+                                  stage_at(s, s->blocks)};
+    struct found f;
+    uint32_t plain = 0;
     for (uint32_t lanes = which; lanes; lanes &= lanes - 1) {
         const uint32_t i = (uint32_t)__builtin_ctz(lanes);
-        if (!look_up(s, i, &hits[i], &f, v))
+        if (!look_up(s, &tables, i, &hits[i], &f))
             continue;
         f.dir[i] = rays[i].dir;
         plain |= 1u << i;
-        emits |= (uint32_t)(v->emitter[i] != STAGE_NONE) << i;
     }
     v->shining = 0;
     if (!plain)
@@ -60,10 +65,12 @@ uint32_t path8_arrive(const struct stage *s, uint32_t which, const struct ray ra
     surface8_place(&t, f32x8_load(f.u), f32x8_load(f.v), &v->at);
     v->at.ng = surface8_normal(&t);
     v->at.prim = u32x8_load(f.prim);
+    v->emitter = u32x8_load(f.emitter);
+    v->material = u32x8_load(f.material);
     v->frame = warp8_frame_make(v->at.ng);
     v->albedo = vec8_gather(f.albedo);
     v->wo = warp8_to_local(&v->frame, vec8_negative(vec8_gather(f.dir)));
-    v->shining = emits & i32x8_mask(v->wo.z > 0);
+    v->shining = plain & i32x8_mask((i32x8)(v->emitter != STAGE_NONE) & (v->wo.z > 0));
     return plain;
 }
 

@@ -1,5 +1,6 @@
 /* path8.h - paths in step, in the lanes of vectors: what path.c does at one vertex, at eight at
- * once, where the vertices are plain: on a triangle that is no instance's, of a diffuse material.
+ * once, where the vertices are plain: on a triangle that is no instance's, of a diffuse material
+ * without textures.
  * That is most of them in most scenes.
  *
  * path.c is the definition. Here is the same arithmetic, operation by operation, so that a path's
@@ -16,8 +17,7 @@ struct path8_vertex { /* as struct path_vertex */
     struct surface8 at;
     struct warp8_frame frame;
     struct vec8 wo, albedo;
-    uint32_t emitter[8];
-    uint32_t material[8];
+    u32x8 emitter, material;
     uint32_t shining; /* bit i: the vertex emits to where the ray came from */
 };
 
@@ -34,20 +34,21 @@ struct path8_draw {
     i32x8 may_end; /* by chance */
 };
 
-/* Lane i becomes what lane k of `from` is. */
-static inline void path8_vertex_take(struct path8_vertex *to, uint32_t i,
-                                     const struct path8_vertex *from, uint32_t k)
+/* Where `lanes` is -1, lane i becomes what lane k[i] of `from` is. */
+static inline void path8_vertex_take(struct path8_vertex *to, i32x8 lanes,
+                                     const struct path8_vertex *from, u32x8 k)
 {
-    struct vec8 *const into[] = {&to->at.p,    &to->at.p_error, &to->at.ng, &to->frame.x,
-                                 &to->frame.y, &to->frame.z,    &to->wo,    &to->albedo};
-    const struct vec8 *const out[] = {&from->at.p,    &from->at.p_error, &from->at.ng,
-                                      &from->frame.x, &from->frame.y,    &from->frame.z,
-                                      &from->wo,      &from->albedo};
-    for (size_t n = 0; n < countof(into); n++)
-        vec8_set_lane(into[n], i, vec8_lane(out[n], k));
-    to->at.prim[i] = from->at.prim[k];
-    to->emitter[i] = from->emitter[k];
-    to->material[i] = from->material[k];
+    to->at.p = vec8_take(lanes, from->at.p, k, to->at.p);
+    to->at.p_error = vec8_take(lanes, from->at.p_error, k, to->at.p_error);
+    to->at.ng = vec8_take(lanes, from->at.ng, k, to->at.ng);
+    to->at.prim = u32x8_take(lanes, from->at.prim, k, to->at.prim);
+    to->frame.x = vec8_take(lanes, from->frame.x, k, to->frame.x);
+    to->frame.y = vec8_take(lanes, from->frame.y, k, to->frame.y);
+    to->frame.z = to->at.ng;
+    to->wo = vec8_take(lanes, from->wo, k, to->wo);
+    to->albedo = vec8_take(lanes, from->albedo, k, to->albedo);
+    to->emitter = u32x8_take(lanes, from->emitter, k, to->emitter);
+    to->material = u32x8_take(lanes, from->material, k, to->material);
 }
 
 /* Bit i: hits[i], among `which`, is plain and lane i holds the vertex. */

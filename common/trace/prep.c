@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/trace/light8.h"
+#include "common/trace/medium.h"
 #include "common/trace/prep_plan.h"
 
 /* A panorama looks everywhere: its depth is the distance. */
@@ -15,7 +16,23 @@ static void set_view(struct stage_view *view, const struct scene_camera *c)
         vec3_store(view->direction, vec3_unit(xform_vector(&c->to_world, vec3_make(0, 0, -1))));
 }
 
+/* --- materials --- */
+
+/* What only some materials need, and costs every path of a scene that has them. */
+static void survey_materials(struct prep_plan *p)
+{
+    for (uint32_t i = 0; i < p->scene->material_count; i++) {
+        const enum material_kind kind = p->scene->materials[i].kind;
+        if (kind == MATERIAL_MIX || kind == MATERIAL_MASK || kind == MATERIAL_TWO_SIDED)
+            p->head.wrapped = 1;
+        if (kind == MATERIAL_MASK)
+            p->head.masked = 1;
+    }
+}
+
 /* --- the block --- */
+
+enum { GUIDE_MOST = 1024 }; /* entries but for two: it is to stay in the nearest cache */
 
 struct piece {
     struct stage_span *span; /* in the head; its count is set */
@@ -29,6 +46,9 @@ static void count_pieces(struct prep_plan *p)
     head->shapes.count = (uint64_t)p->scene->shape_count + 1;
     head->pick_cdf.count = head->emitters.count + 1;
     head->lamps.count = light8_fit(p->emitters, head->emitters.count);
+    while (head->prim_count >> head->guide_shift >= GUIDE_MOST)
+        head->guide_shift++;
+    head->guide.count = (head->prim_count >> head->guide_shift) + 2;
     head->materials.count = p->scene->material_count;
     head->trees.count = p->tree_count;
     for (uint32_t i = 0; i < p->tree_count; i++) {
@@ -57,11 +77,17 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->pick_cdf, p->pick_cdf, sizeof *p->pick_cdf},
         {&head->knots, p->knots, sizeof *p->knots},
         {&head->lamps, NULL, sizeof(struct stage_lamps)},
+        {&head->guide, NULL, sizeof(uint32_t)},
         {&head->details, p->details, sizeof *p->details},
         {&head->corners, NULL, sizeof(struct stage_corners)},
         {&head->normals, NULL, sizeof(struct stage_normal)},
         {&head->uvs, NULL, sizeof(struct stage_uv)},
         {&head->colors, NULL, sizeof(struct stage_color)},
+        {&head->slots, p->scene->slots, sizeof *p->scene->slots},
+        {&head->textures, p->textures, sizeof *p->textures},
+        {&head->pyramids, p->pyramids, sizeof *p->pyramids},
+        {&head->bytes8, NULL, sizeof(struct stage_bytes)},
+        {&head->texels, NULL, 1},
         {&head->spots, p->spots, sizeof *p->spots},
         {&head->light_nodes, p->light_nodes, sizeof *p->light_nodes},
         {&head->light_slots, p->light_slots, sizeof *p->light_slots},
@@ -115,6 +141,20 @@ static void place_emitters(const struct prep_plan *p, struct emitter *emitters,
             emitters[i].place.index = lane_of[emitters[i].place.index] & 0x1fffffff;
 }
 
+/* Of the shapes, whose last but one ends the list: where stage_shape_of is to look. */
+static void write_guide(const struct stage *s, uint32_t *guide)
+{
+    const struct stage_shape *shapes = stage_at(s, s->shapes);
+    const uint32_t last = s->shapes.count > 1 ? (uint32_t)s->shapes.count - 2 : 0;
+    uint32_t shape = 0;
+    for (uint64_t i = 0; i < s->guide.count; i++) {
+        const uint64_t prim = i << s->guide_shift;
+        while (shape < last && shapes[shape + 1].prim_begin <= prim)
+            shape++;
+        guide[i] = shape;
+    }
+}
+
 static void write_trees(const struct prep_plan *p, unsigned char *block, const struct crew *crew)
 {
     const struct stage *head = &p->head;
@@ -137,6 +177,13 @@ static void write_trees(const struct prep_plan *p, unsigned char *block, const s
         node_begin += plan->node_count;
         block_begin += plan->leaf_count;
     }
+}
+
+/* Of a stage that is whole but for this. */
+static void surround_camera(struct stage *s)
+{
+    if (s->media)
+        s->around = medium_around(s, vec3_load(s->view.position));
 }
 
 /* References to nodes and blocks have 28 bits. */
@@ -163,20 +210,27 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
     p.head.struct_bytes = sizeof p.head;
     p.head.film = scene->film;
     p.head.settings = scene->settings;
+    p.head.media = medium_uses(scene);
     prep_shapes(&p, crew);
     prep_lights(&p, scratch);
+    survey_materials(&p);
     prep_camera(&p.head.camera, scene);
     prep_filter(&p, scratch);
     set_view(&p.head.view, &scene->camera);
-    const bool fits = prep_detail_plan(&p, scratch, err) && check_lines(&p, err);
+    const bool fits = prep_detail_plan(&p, scratch, err) && prep_texture_plan(&p, scratch, err) &&
+                      check_lines(&p, err);
     if (fits) {
         unsigned char *block = lay_out(&p, arena);
+        write_guide((const struct stage *)(const void *)block,
+                    (uint32_t *)(void *)(block + p.head.guide.offset));
         write_trees(&p, block, crew);
         prep_detail_write(&p, block);
+        prep_texture_write(&p, block);
         place_emitters(&p, (struct emitter *)(void *)(block + p.head.emitters.offset), scratch);
         if (p.head.lamps.count)
             light8_lamps((const struct stage *)(const void *)block,
                          (struct stage_lamps *)(void *)(block + p.head.lamps.offset));
+        surround_camera((struct stage *)(void *)block);
         *stage = (const struct stage *)(const void *)block;
     }
     for (uint32_t i = 0; i < p.tree_count; i++)

@@ -41,6 +41,9 @@ struct prep_plan {
     struct stage_detail *details;
     struct prep_mesh *detail_meshes;
     uint32_t quad_uvs; /* as in struct prep_mesh */
+    struct stage_texture *textures;
+    struct stage_pyramid *pyramids;
+    struct prep_image *pyramid_images; /* what they are made of */
     struct stage_spot *spots;
     struct stage_light_node *light_nodes; /* NULL: no tree */
     uint32_t *light_slots, *light_parents;
@@ -106,5 +109,12 @@ void prep_light_tree(struct prep_plan *, double radius, struct arena *scratch);
 
 /* The pixel filter's knots, if it has any; its zero and gain. */
 void prep_filter(struct prep_plan *, struct arena *scratch);
+
+/* --- prep_texture.c --- */
+
+/* Once the camera is aimed: which textures are used, and where their pyramids will lie; then the
+ * pyramids. False: too much memory. */
+bool prep_texture_plan(struct prep_plan *, struct arena *scratch, struct err *) MUST_CHECK;
+void prep_texture_write(const struct prep_plan *, unsigned char *block);
 
 #endif

@@ -111,6 +111,47 @@ struct stage_color {
     float rgb[3];
 };
 
+/* How the numbers of an image are kept. */
+enum stage_texels {
+    STAGE_TEXELS_SRGB8, /* a byte, encoded; alpha is not */
+    STAGE_TEXELS_U8,    /* a byte: value times 255 */
+    STAGE_TEXELS_U16,   /* value times 65535 */
+    STAGE_TEXELS_HALF,
+    STAGE_TEXELS_FLOAT,
+};
+
+static inline uint32_t stage_texel_bytes(enum stage_texels texels)
+{
+    return texels <= STAGE_TEXELS_U8 ? 1 : texels == STAGE_TEXELS_FLOAT ? 4 : 2;
+}
+
+enum { STAGE_LEVELS = 15 }; /* of an image of SCENE_MAX_IMAGE_SIDE_PX */
+
+/* An image in levels (texture.h), rows from the top, channels interleaved, nothing between rows. */
+struct stage_pyramid {
+    uint64_t level_at[STAGE_LEVELS]; /* bytes from the start of texels */
+    uint32_t width_px, height_px;    /* of level 0 */
+    uint32_t level_count;            /* the last one is 1 x 1 */
+    uint32_t channels;               /* as in struct image_asset */
+    enum stage_texels texels, coarse_texels; /* of level 0, of the others */
+};
+
+struct stage_bytes { /* what bytes decode to */
+    float plain[256], srgb[256];
+};
+
+/* As struct texture, but: */
+struct stage_texture {
+    enum texture_kind kind;
+    enum texture_wrap wrap;
+    enum texture_filter filter;
+    uint32_t pyramid; /* of an image; STAGE_NONE: nothing uses it */
+    float uv_scale[2], uv_offset[2];
+    float uv_area; /* |product| of uv_scale */
+    float pad[3];
+    rgb colors[2]; /* of a checker */
+};
+
 /* A hierarchy. The first is the world's, the others are of shared meshes. */
 struct stage_tree {
     uint32_t root;                   /* bvh.h */
@@ -145,7 +186,7 @@ struct emitter {
         float cap;      /* SUN: 1 - cos of its radius */
         uint32_t index; /* SPOT: into stage.spots; MAP: into stage.maps */
     };
-    float pick;               /* probability of being chosen; they sum to 1 */
+    float pick; /* probability of being chosen; they sum to 1 */
 };
 
 struct stage_spot {
@@ -204,15 +245,15 @@ struct stage_lamps {
     uint32_t pad[7];
 };
 
-struct stage_camera {   /* as perspective and thin lens have it; the others: camera.c */
+struct stage_camera { /* as perspective and thin lens have it; the others: camera.c */
     float origin[3];
     float corner[3];    /* direction_raw through the top left corner of the frame, 1 deep */
     float dx[3], dy[3]; /* per pixel to the right, down */
     enum camera_kind kind;
-    uint32_t blades;             /* THIN_LENS: corners of the aperture; 0: round */
-    float lens_x[3], lens_y[3];  /* THIN_LENS: across the aperture, from its middle to its circle */
-    float inv_focus;             /* THIN_LENS: 1 / m */
-    float turns_x, turns_y;      /* PANORAMIC: per pixel */
+    uint32_t blades;            /* THIN_LENS: corners of the aperture; 0: round */
+    float lens_x[3], lens_y[3]; /* THIN_LENS: across the aperture, from its middle to its circle */
+    float inv_focus;            /* THIN_LENS: 1 / m */
+    float turns_x, turns_y;     /* PANORAMIC: per pixel */
 };
 
 /* A pixel filter that is no box and no tent: it is even in x and in y, and its absolute value, on one
@@ -233,6 +274,15 @@ struct stage_view { /* what depth is measured along */
     float direction[3]; /* unit; 0: none, depth is the distance */
 };
 
+/* Bodies around a point: materials, in the order in which they were entered (medium.h). */
+enum { STAGE_BODIES = 8 };
+
+struct stage_bodies {
+    uint32_t count;
+    uint32_t missed; /* entered when there was no room for them */
+    uint32_t material[STAGE_BODIES];
+};
+
 struct stage {
     char magic[8];         /* STAGE_MAGIC */
     uint32_t version;      /* STAGE_VERSION */
@@ -251,7 +301,13 @@ struct stage {
     uint32_t bvh_depth;
 
     uint32_t prim_count;
+    uint32_t wrapped, masked; /* 1: there are materials made of others; among them masks */
+    uint32_t guide_shift;
     uint32_t far_begin, beyond_begin; /* among the emitters: see there */
+
+    uint32_t media;             /* what the scene uses of medium.h */
+    struct stage_bodies around; /* the camera, when media is not 0 */
+    float cone_width, cone_spread; /* of camera rays (cone.h), when there are pyramids */
 
     /* Only spans from here to the end: stage_check knows them by their place. */
     struct stage_span shapes; /* struct stage_shape, and one more, whose prim_begin is prim_count */
@@ -267,11 +323,18 @@ struct stage {
     struct stage_span pick_cdf;  /* float: cumulative pick, one more than emitters */
     struct stage_span knots;     /* struct stage_knot, or none */
     struct stage_span lamps;     /* struct stage_lamps: one, or none */
+    struct stage_span guide;     /* uint32_t: the shape of primitive i << guide_shift, then that of
+                                  * the last one */
     struct stage_span details;   /* struct stage_detail */
     struct stage_span corners;   /* struct stage_corners */
     struct stage_span normals;   /* struct stage_normal */
     struct stage_span uvs;       /* struct stage_uv */
     struct stage_span colors;    /* struct stage_color */
+    struct stage_span slots;     /* struct material_slot */
+    struct stage_span textures;  /* struct stage_texture */
+    struct stage_span pyramids;  /* struct stage_pyramid */
+    struct stage_span bytes8;    /* struct stage_bytes, one if anything is kept in bytes */
+    struct stage_span texels;    /* bytes, of all pyramids */
     struct stage_span spots;     /* struct stage_spot */
     struct stage_span light_nodes; /* struct stage_light_node; none: there are too few lights */
     struct stage_span light_slots; /* uint32_t: of each emitter in the tree, 8 node + lane */
@@ -322,7 +385,8 @@ static inline struct stage_triangle stage_triangle_at(const struct stage *s, uin
 static inline uint32_t stage_shape_of(const struct stage *s, uint32_t prim)
 {
     const struct stage_shape *shapes = stage_at(s, s->shapes);
-    uint32_t begin = 0, count = (uint32_t)s->shapes.count - 1;
+    const uint32_t *guide = (const uint32_t *)stage_at(s, s->guide) + (prim >> s->guide_shift);
+    uint32_t begin = guide[0], count = guide[1] - begin + 1;
     while (count > 1) {
         const uint32_t half = count / 2;
         begin += half & -(uint32_t)(shapes[begin + half].prim_begin <= prim); /* no branch */

@@ -83,6 +83,18 @@ static inline void vec8_scatter(struct vec8 a, vec3 v[8])
     f32x8_rows(a.x, a.y, a.z, (f32x8){0}, v);
 }
 
+/* Where m is -1, lane k[i] of a; where it is 0, b. */
+static inline struct vec8 vec8_take(i32x8 m, struct vec8 a, u32x8 k, struct vec8 b)
+{
+    const struct vec8 moved = {f32x8_permute(a.x, k), f32x8_permute(a.y, k), f32x8_permute(a.z, k)};
+    return vec8_choose(m, moved, b);
+}
+
+static inline u32x8 u32x8_take(i32x8 m, u32x8 a, u32x8 k, u32x8 b)
+{
+    return (u32x8)f32x8_choose(m, f32x8_permute((f32x8)a, k), (f32x8)b);
+}
+
 /* One lane alone. */
 static inline vec3 vec8_lane(const struct vec8 *a, uint32_t i)
 {

@@ -32,8 +32,17 @@ static float lobe_width(const struct material *m)
         return m->dielectric.alpha;
     case MATERIAL_METAL:
         return fmaxf(m->metal.alpha_x, m->metal.alpha_y);
+    case MATERIAL_RETROREFLECTOR:
+        return m->retro.alpha;
+    case MATERIAL_PLASTIC: /* a wide lobe, too */
+    case MATERIAL_CLOTH:
     case MATERIAL_DIFFUSE:
     case MATERIAL_MIRROR:
+    case MATERIAL_ROUGH_DIFFUSE:
+    case MATERIAL_LEAF:
+    case MATERIAL_MIX:
+    case MATERIAL_MASK:
+    case MATERIAL_TWO_SIDED:
         break;
     }
     return 1;
@@ -44,7 +53,13 @@ static double largest_weight(const struct material *m)
 {
     if (m->kind == MATERIAL_METAL && m->metal.multiscatter)
         return 3;
-    return 1.00001;
+    if (m->kind == MATERIAL_PLASTIC)
+        return 40;
+    if (m->kind == MATERIAL_CLOTH)
+        return 3;
+    if (m->kind == MATERIAL_ROUGH_DIFFUSE)
+        return 1.3;
+    return m->kind == MATERIAL_LEAF ? 2.00001 : 1.00001;
 }
 
 struct scatter scatter_of(const struct material *m)
@@ -56,6 +71,7 @@ struct scatter scatter_of(const struct material *m)
         .what = m,
         .ior = m->kind == MATERIAL_DIELECTRIC ? (double)m->dielectric.ior : 1,
         .alpha = lobe_width(m),
+        .retro = m->kind == MATERIAL_RETROREFLECTOR,
         .most = largest_weight(m),
     };
 }
