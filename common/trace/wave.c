@@ -180,11 +180,10 @@ static void pick_lights(const struct wave *w, struct light_pick picks[WAVE_LANES
     struct light_pick found[WAVE_LANES];
     for (uint32_t left = w->going; left; left &= left - 1) {
         const uint32_t i = lowest(left);
-        if (bsdf_is_delta(w->paths[i].vertex.material))
-            continue;
         from[count] = &w->paths[i].vertex.at;
         bits[count] = w->lamp.u[i];
-        path[count++] = i;
+        path[count] = i;
+        count += !bsdf_is_delta(w->paths[i].vertex.material);
     }
     light_pick(w->stage, from, bits, count, found);
     for (uint32_t k = 0; k < count; k++)
