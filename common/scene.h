@@ -307,7 +307,14 @@ struct shape {
     };
 };
 
-enum light_kind { LIGHT_SKY, LIGHT_POINT, LIGHT_DISTANT, LIGHT_SPOT, LIGHT_SUN };
+enum light_kind {
+    LIGHT_SKY,
+    LIGHT_POINT,
+    LIGHT_DISTANT,
+    LIGHT_SPOT,
+    LIGHT_SUN,
+    LIGHT_ENVIRONMENT,
+};
 
 struct light {
     enum light_kind kind;
@@ -334,6 +341,11 @@ struct light {
             rgb radiance, irradiance; /* one is given, the other 0; irradiance of a surface that
                                        * faces it */
         } sun;
+        struct {             /* an image of the whole sphere by longitude and latitude */
+            uint32_t image;  /* index into scene.images; OpenEXR */
+            rgb scale;       /* radiance of a pixel value of 1 */
+            struct xform to_world; /* a rotation; not turned, -z is the image's middle, y its top */
+        } environment;
     };
 };
 

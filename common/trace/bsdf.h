@@ -71,6 +71,32 @@ static inline bool bsdf_is_matte(const struct material *m)
     return matte >> m->kind & 1;
 }
 
+/* Whether light surely stays on the side from which it came. */
+static inline bool bsdf_is_opaque(const struct material *m)
+{
+    switch (m->kind) {
+    case MATERIAL_DIFFUSE:
+    case MATERIAL_ROUGH_DIFFUSE:
+    case MATERIAL_MIRROR:
+    case MATERIAL_CONDUCTOR:
+    case MATERIAL_METAL:
+    case MATERIAL_RETROREFLECTOR:
+    case MATERIAL_PLASTIC:
+    case MATERIAL_CLOTH:
+        return true;
+    case MATERIAL_PRINCIPLED:
+        return m->principled.transmission == 0;
+    case MATERIAL_DIELECTRIC:
+    case MATERIAL_LEAF:
+    case MATERIAL_PANE:
+    case MATERIAL_MIX: /* of anything */
+    case MATERIAL_MASK:
+    case MATERIAL_TWO_SIDED:
+        return false;
+    }
+    __builtin_unreachable();
+}
+
 /* Whether sampling chooses among kinds of scattering: else bsdf_sample does not look at `lobe`. */
 static inline bool bsdf_has_lobes(const struct material *m)
 {

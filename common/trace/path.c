@@ -49,6 +49,13 @@ static float survival(float share)
     return q < 1 ? q : 1;
 }
 
+float path_lit(const struct stage *s, const struct material *m, float up)
+{
+    if (!s->light_nodes.count || !bsdf_is_opaque(m))
+        return 0;
+    return up < 0 ? -1 : 1;
+}
+
 /* Where textures are looked at for a vertex. */
 __attribute__((noinline)) static void find_point(const struct stage *s, const struct ray *ray,
                                                  const struct ray_hit *hit, float width,
@@ -70,6 +77,7 @@ struct path_vertex path_vertex_make(const struct stage *s, const struct ray *ray
         .material = (const struct material *)stage_at(s, s->materials) + at.material,
         .wo = warp_to_local(&frame, -ray->dir),
     };
+    v.at.lit = path_lit(s, v.material, -vec3_dot(ray->dir, at.ng));
     if (s->slots.count && textured_needs(v.material))
         find_point(s, ray, hit, width, &v);
     if (s->details.count)
@@ -81,11 +89,10 @@ rgb path_beyond(const struct stage *s, vec3 dir, float pdf_w)
 {
     rgb light = s->sky;
     for (uint32_t e = s->beyond_begin; e < s->emitters.count; e++) {
-        const rgb found = light_beyond(s, e, dir);
+        float sampled;
+        const rgb found = light_beyond(s, e, dir, &sampled);
         if (!rgb_is_black(found))
-            light += found * (pdf_w == 0 ? 1
-                                         : mis_weight(pdf_w, light_beyond_pdf_w(s, e, dir) *
-                                                                 trust_of(s)->light));
+            light += found * (pdf_w == 0 ? 1 : mis_weight(pdf_w, sampled * trust_of(s)->light));
     }
     return light;
 }
@@ -134,16 +141,17 @@ static void light_raised(const struct stage *s, struct path *p, struct sobol_bit
         p->light += light * path_mask_share(s, sample.shadow);
 }
 
-bool path_light_directly(const struct stage *s, struct path *p, struct sobol_bits lamp,
+bool path_light_directly(const struct stage *s, struct path *p, const struct path_lamp *lamp,
                          struct ray *shadow, rgb *light)
 {
     const struct path_vertex *v = &p->vertex;
     if (s->emitters.count == 0 || bsdf_is_delta(v->material))
         return false;
     if (v->raised.is)
-        light_raised(s, p, lamp);
+        light_raised(s, p, lamp->bits);
     struct light_sample sample;
-    if (!light_sample(s, &v->at, lamp, &sample))
+    if (!(lamp->pick ? light_sample_picked(s, &v->at, *lamp->pick, lamp->bits.v, &sample)
+                     : light_sample(s, &v->at, lamp->bits, &sample)))
         return false;
     const vec3 wi = warp_to_local(&v->frame, sample.wi);
     if (!(vec3_dot(sample.wi, v->at.ng) * wi[2] > 0)) /* the two normals disagree */
@@ -185,7 +193,7 @@ bool path_scatter(const struct stage *s, struct path *p, const struct path_draw 
 
 void path_arrive(const struct stage *s, struct path *p, const struct path_vertex *v)
 {
-    const vec3 from = p->vertex.at.p;
+    const struct surface from = p->vertex.at;
     p->vertex = *v;
 
     /* Emission found by the BSDF's sampling; a delta lobe's by nothing else */
@@ -193,6 +201,7 @@ void path_arrive(const struct stage *s, struct path *p, const struct path_vertex
     if (rgb_is_black(found))
         return;
     const float weight =
-        p->pdf_w == 0 ? 1 : mis_weight(p->pdf_w, light_pdf_w(s, from, &v->at) * trust_of(s)->light);
+        p->pdf_w == 0 ? 1
+                      : mis_weight(p->pdf_w, light_pdf_w(s, &from, &v->at) * trust_of(s)->light);
     p->light += p->throughput * found * weight;
 }

@@ -90,6 +90,13 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->bytes8, NULL, sizeof(struct stage_bytes)},
         {&head->texels, NULL, 1},
         {&head->spots, p->spots, sizeof *p->spots},
+        {&head->light_nodes, p->light_nodes, sizeof *p->light_nodes},
+        {&head->light_slots, p->light_slots, sizeof *p->light_slots},
+        {&head->light_parents, p->light_parents, sizeof *p->light_parents},
+        {&head->maps, p->maps, sizeof *p->maps},
+        {&head->map_rows, p->map_rows, sizeof *p->map_rows},
+        {&head->map_pixels, p->map_pixels, sizeof *p->map_pixels},
+        {&head->map_columns, p->map_columns, sizeof *p->map_columns},
     };
     uint64_t bytes = (sizeof *head + STAGE_ALIGN - 1) / STAGE_ALIGN * STAGE_ALIGN;
     for (size_t i = 0; i < countof(pieces); i++) {
@@ -216,7 +223,7 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
     settle_method(&p.head.settings);
     p.head.media = medium_uses(scene);
     prep_shapes(&p, crew);
-    prep_lights(&p);
+    prep_lights(&p, scratch);
     survey_materials(&p);
     prep_camera(&p.head.camera, scene);
     prep_filter(&p, scratch);

@@ -20,18 +20,16 @@ static inline uint32_t lowest(uint32_t lanes)
 static struct path_vertex vertex_of_lane(const struct stage *s, const struct path8_vertex *v,
                                          uint32_t i)
 {
-    const vec3 ng = vec8_lane(&v->at.ng, i);
+    const vec3 ng = vec8_lane(&v->at.ng, i), wo = vec8_lane(&v->wo, i);
+    const struct material *m = (const struct material *)stage_at(s, s->materials) + v->material[i];
     const struct surface at = {.p = vec8_lane(&v->at.p, i),
                                .p_error = vec8_lane(&v->at.p_error, i),
                                .ng = ng,
                                .prim = v->at.prim[i],
                                .material = v->material[i],
-                               .emitter = v->emitter[i]};
-    return (struct path_vertex){.at = at,
-                                .frame = warp_frame_make(ng),
-                                .material = (const struct material *)stage_at(s, s->materials) +
-                                            v->material[i],
-                                .wo = vec8_lane(&v->wo, i)};
+                               .emitter = v->emitter[i],
+                               .lit = path_lit(s, m, wo[2])};
+    return (struct path_vertex){.at = at, .frame = warp_frame_make(ng), .material = m, .wo = wo};
 }
 
 static struct path path_of_lane(const struct wave *w, uint32_t i)
@@ -58,6 +56,11 @@ static void enter_lanes(struct wave *w, uint32_t i)
     w->lanes.scale[i] = p->scale;
     w->lanes.pdf_w[i] = p->pdf_w;
     vec8_set_lane(&w->lanes.vertex.at.p, i, p->vertex.at.p);
+    if (w->stage->light_nodes.count) { /* what of the vertex the tree looks at */
+        vec8_set_lane(&w->lanes.vertex.at.ng, i, p->vertex.at.ng);
+        vec8_set_lane(&w->lanes.vertex.wo, i, p->vertex.wo);
+        w->lanes.vertex.material[i] = p->vertex.at.material;
+    }
     w->plain |= 1u << i;
 }
 
@@ -169,6 +172,24 @@ struct direct {
     rgb of_others[WAVE_LANES];
 };
 
+/* Of many lights one for each path that has use for it, chosen side by side. */
+static void pick_lights(const struct wave *w, struct light_pick picks[WAVE_LANES])
+{
+    const struct surface *from[WAVE_LANES];
+    uint32_t path[WAVE_LANES], bits[WAVE_LANES], count = 0;
+    struct light_pick found[WAVE_LANES];
+    for (uint32_t left = w->going; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        from[count] = &w->paths[i].vertex.at;
+        bits[count] = w->lamp.u[i];
+        path[count] = i;
+        count += !bsdf_is_delta(w->paths[i].vertex.material);
+    }
+    light_pick(w->stage, from, bits, count, found);
+    for (uint32_t k = 0; k < count; k++)
+        picks[path[k]] = found[k];
+}
+
 static void look_at_lights(struct wave *w, struct direct *d)
 {
     const struct stage *s = w->stage;
@@ -178,13 +199,17 @@ static void look_at_lights(struct wave *w, struct direct *d)
         return;
     if (lanes)
         d->lanes = lanes & path8_light_directly(s, &w->lanes, &w->lamp, w->shadows, &d->of_lanes);
+    const bool many = s->light_nodes.count > 0;
+    struct light_pick picks[WAVE_LANES];
+    for (uint32_t left = w->going & w->plain & ~lanes; left; left &= left - 1)
+        w->paths[lowest(left)] = path_of_lane(w, lowest(left));
+    if (many)
+        pick_lights(w, picks);
     for (uint32_t left = w->going & ~lanes; left; left &= left - 1) {
         const uint32_t i = lowest(left);
-        const struct sobol_bits lamp = {w->lamp.u[i], w->lamp.v[i]};
-        if (w->plain >> i & 1)
-            w->paths[i] = path_of_lane(w, i);
+        const struct path_lamp lamp = {{w->lamp.u[i], w->lamp.v[i]}, many ? &picks[i] : NULL};
         d->others |=
-            (uint32_t)path_light_directly(s, &w->paths[i], lamp, &w->shadows[i], &d->of_others[i])
+            (uint32_t)path_light_directly(s, &w->paths[i], &lamp, &w->shadows[i], &d->of_others[i])
             << i;
     }
 }
