@@ -73,7 +73,7 @@ static void read_material(const struct scene_params *p, struct material *m)
         scene_coat_plastic(p, m);
         return;
     case MATERIAL_PRINCIPLED:
-        scene_coat_principled(&p, m);
+        scene_coat_principled(p, m);
         return;
     case MATERIAL_CLOTH:
         scene_coat_cloth(p, m);
