@@ -115,11 +115,31 @@ struct inside {
     uint32_t priority; /* where bodies overlap, the highest counts; 0: none given */
 };
 
+enum material_channel { /* of a texture, as a number */
+    MATERIAL_CHANNEL_LUMINANCE,
+    MATERIAL_CHANNEL_R,
+    MATERIAL_CHANNEL_G,
+    MATERIAL_CHANNEL_B,
+    MATERIAL_CHANNEL_A,
+};
+
+/* A member of a material that a texture drives. */
+struct material_slot {
+    uint32_t texture; /* index into scene.textures */
+    uint32_t member;  /* its offset in struct material */
+    uint32_t is_rgb;  /* 1: an rgb; 0: a float */
+    enum material_channel channel; /* of a float */
+    float lo, hi;     /* the member's range, in which the value is kept */
+    float scale[3];   /* times the texture's value; of a float: scale[0] */
+};
+
 struct material {
     const char *name;
     enum material_kind kind;
     uint32_t needs; /* enum material_needs, or-ed */
     struct inside inside;
+    uint32_t slot_begin, slot_end; /* of scene.slots. The members they drive hold what the texture's
+                                    * value 1 would make of them */
     union {
         struct {
             rgb albedo; /* [0, 1] */
@@ -194,7 +214,7 @@ struct image_asset {
                                    * from the top; alpha is not multiplied in */
 };
 
-enum texture_kind { TEXTURE_IMAGE };
+enum texture_kind { TEXTURE_IMAGE, TEXTURE_CHECKER, TEXTURE_VERTEX_COLOR };
 enum texture_space { TEXTURE_SRGB, TEXTURE_LINEAR }; /* of the whole numbers of an image */
 enum texture_wrap { TEXTURE_REPEAT, TEXTURE_CLAMP, TEXTURE_MIRROR };
 enum texture_filter { TEXTURE_TRILINEAR, TEXTURE_BILINEAR, TEXTURE_NEAREST };
@@ -202,6 +222,7 @@ enum texture_filter { TEXTURE_TRILINEAR, TEXTURE_BILINEAR, TEXTURE_NEAREST };
 struct texture {
     const char *name;
     enum texture_kind kind;
+    float uv_scale[2], uv_offset[2]; /* it is looked at in uv times scale plus offset */
     union {
         struct {
             uint32_t image; /* index into scene.images */
@@ -209,6 +230,9 @@ struct texture {
             enum texture_wrap wrap;
             enum texture_filter filter;
         } image;
+        struct {
+            rgb colors[2]; /* of squares of side 1: of the one at the origin, of its neighbours */
+        } checker;
     };
 };
 
@@ -321,7 +345,9 @@ struct scene {
     struct light *lights;
     struct texture *textures;
     struct image_asset *images;
+    struct material_slot *slots; /* of all materials */
     uint32_t material_count, shape_count, mesh_count, light_count, texture_count, image_count;
+    uint32_t slot_count;
 };
 
 /* What is wrong with a document: all of it at once, in document order. */

@@ -58,6 +58,8 @@ BEYOND_A_SCHEMA = {
     "sphere-world-huge": "product of steps",
     "sphere-world-tiny": "product of steps",
     "texture-image-exr-srgb": "one key against another",
+    "textured-unknown": "a name against names",
+    "textured-without-textures": "a name against names",
     "transform-singular-matrix": "geometry of a matrix",
 }
 

@@ -7,6 +7,7 @@
 #include "common/trace/path_mask.h"
 #include "common/trace/path_media.h"
 #include "common/trace/path_shade.h"
+#include "common/trace/textured.h"
 #include "common/trace/warp.h"
 
 /* The power heuristic with exponent 2 for the technique of density a beside one of density b. As a
@@ -31,8 +32,18 @@ static float survival(float share)
     return q < 1 ? q : 1;
 }
 
+/* Where textures are looked at for a vertex. */
+__attribute__((noinline)) static void find_point(const struct stage *s, const struct ray *ray,
+                                                 const struct ray_hit *hit, float width,
+                                                 struct path_vertex *v)
+{
+    const struct stage_detail *d = surface_detail_of(s, hit->prim, hit->instance);
+    const struct surface_detail detail = surface_detail_at(s, d, hit, &v->at);
+    v->point = textured_point(&detail, v->at.ng, ray->dir, width);
+}
+
 struct path_vertex path_vertex_make(const struct stage *s, const struct ray *ray,
-                                    const struct ray_hit *hit)
+                                    const struct ray_hit *hit, float width)
 {
     const struct surface at = surface_at(s, ray, hit);
     const struct warp_frame frame = warp_frame_make(at.ng);
@@ -42,6 +53,8 @@ struct path_vertex path_vertex_make(const struct stage *s, const struct ray *ray
         .material = (const struct material *)stage_at(s, s->materials) + at.material,
         .wo = warp_to_local(&frame, -ray->dir),
     };
+    if (s->slots.count && textured_needs(v.material))
+        find_point(s, ray, hit, width, &v);
     if (s->details.count)
         path_shade(s, ray, hit, &v);
     return v;

@@ -14,6 +14,7 @@
 #include "common/trace/sobol.h"
 #include "common/trace/stage.h"
 #include "common/trace/surface.h"
+#include "common/trace/texture.h"
 #include "common/trace/warp.h"
 
 /* The first bounce after which a path may be ended by chance. */
@@ -28,7 +29,8 @@ struct path_vertex { /* where a ray has arrived */
     struct surface at;
     struct warp_frame frame;
     const struct material *material;
-    vec3 wo; /* where the ray came from; local */
+    vec3 wo;                    /* where the ray came from; local */
+    struct texture_point point; /* for the textures of a material that has some */
     struct path_raised raised;
 };
 
@@ -51,8 +53,9 @@ struct path_draw { /* the random numbers of a scattering */
     bool may_end; /* by chance */
 };
 
+/* width: of the ray's cone at the hit, in m (cone.h). */
 struct path_vertex path_vertex_make(const struct stage *, const struct ray *,
-                                    const struct ray_hit *);
+                                    const struct ray_hit *, float width);
 
 /* What a ray that leaves the scene meets. pdf_w: of its direction, by the sampling that made it; 0:
  * nothing else could have made it. */

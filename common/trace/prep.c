@@ -83,6 +83,11 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->normals, NULL, sizeof(struct stage_normal)},
         {&head->uvs, NULL, sizeof(struct stage_uv)},
         {&head->colors, NULL, sizeof(struct stage_color)},
+        {&head->slots, p->scene->slots, sizeof *p->scene->slots},
+        {&head->textures, p->textures, sizeof *p->textures},
+        {&head->pyramids, p->pyramids, sizeof *p->pyramids},
+        {&head->bytes8, NULL, sizeof(struct stage_bytes)},
+        {&head->texels, NULL, 1},
         {&head->spots, p->spots, sizeof *p->spots},
     };
     uint64_t bytes = (sizeof *head + STAGE_ALIGN - 1) / STAGE_ALIGN * STAGE_ALIGN;
@@ -205,13 +210,15 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
     prep_camera(&p.head.camera, scene);
     prep_filter(&p, scratch);
     set_view(&p.head.view, &scene->camera);
-    const bool fits = prep_detail_plan(&p, scratch, err) && check_lines(&p, err);
+    const bool fits = prep_detail_plan(&p, scratch, err) && prep_texture_plan(&p, scratch, err) &&
+                      check_lines(&p, err);
     if (fits) {
         unsigned char *block = lay_out(&p, arena);
         write_guide((const struct stage *)(const void *)block,
                     (uint32_t *)(void *)(block + p.head.guide.offset));
         write_trees(&p, block, crew);
         prep_detail_write(&p, block);
+        prep_texture_write(&p, block);
         place_emitters(&p, (struct emitter *)(void *)(block + p.head.emitters.offset), scratch);
         if (p.head.lamps.count)
             light8_lamps((const struct stage *)(const void *)block,

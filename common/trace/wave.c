@@ -8,6 +8,7 @@
 #include "common/trace/light8.h"
 #include "common/trace/material.h"
 #include "common/trace/path_mask.h"
+#include "common/trace/textured.h"
 
 static inline uint32_t lowest(uint32_t lanes)
 {
@@ -92,6 +93,10 @@ void wave_begin(const struct stage *s, uint32_t which, const struct ray rays[],
     starts->met = found;
     starts->ends = s->settings.max_bounces == 0 ? which : which & ~found;
     starts->plain = s->media ? 0 : path8_arrive(s, found, rays, hits, &starts->lanes);
+    for (uint32_t i = 0; i < WAVE_LANES; i++)
+        starts->cones[i] = (struct cone){s->cone_width, s->cone_spread};
+    for (uint32_t left = s->pyramids.count ? found : 0; left; left &= left - 1)
+        starts->cones[lowest(left)].width += s->cone_spread * hits[lowest(left)].t;
     for (uint32_t left = which; left; left &= left - 1) {
         const uint32_t i = lowest(left), bit = 1u << i;
         if (s->media) {
@@ -101,7 +106,7 @@ void wave_begin(const struct stage *s, uint32_t which, const struct ray rays[],
         }
         starts->light[i] = found & bit ? rgb_gray(0) : path_beyond(s, rays[i].dir, 0);
         if (found & bit & ~starts->plain)
-            starts->vertices[i] = path_vertex_make(s, &rays[i], &hits[i]);
+            starts->vertices[i] = path_vertex_make(s, &rays[i], &hits[i], starts->cones[i].width);
         if (found & bit & ~(starts->plain & ~starts->lanes.shining)) {
             const struct path_vertex v = wave_first(s, starts, i);
             starts->light[i] = path_emission(s, &v);
@@ -116,14 +121,27 @@ struct path_vertex wave_first(const struct stage *s, const struct wave_starts *s
 
 /* --- from vertices to rays --- */
 
-/* The vertices' materials, where some are made of others; these are never plain. */
+/* The vertices' materials, where some are made of others; these are never plain. (What a path in a
+ * body sees as an interface is made of nothing else.) */
 static void choose_materials(struct wave *w)
 {
+    const struct material *materials = stage_at(w->stage, w->stage->materials);
     const f32x8 number = rng8_single(&w->rng, rng_dimension_choice(0));
     for (uint32_t left = w->going & ~w->plain; left; left &= left - 1) {
         const uint32_t i = lowest(left);
         struct path_vertex *v = &w->paths[i].vertex;
-        v->material = material_at(w->stage, v->at.material, v->wo[2] < 0, number[i]);
+        if (v->material == &materials[v->at.material])
+            v->material = material_at(w->stage, v->at.material, v->wo[2] < 0, number[i]);
+    }
+}
+
+/* The materials of the vertices that have textures, filled. */
+static void apply_textures(struct wave *w)
+{
+    for (uint32_t left = w->going & ~w->plain; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        struct path_vertex *v = &w->paths[i].vertex;
+        v->material = textured_material(w->stage, v->material, &v->point, &w->textured[i]);
     }
 }
 
@@ -271,9 +289,21 @@ static void arrive_in_media(struct wave *w, uint32_t which, uint32_t found,
     for (; which; which &= which - 1) {
         const uint32_t i = lowest(which);
         const struct ray_hit *hit = found >> i & 1 ? &hits[i] : NULL;
-        w->going |= (uint32_t)path_media_arrive(w->stage, &w->paths[i], &w->rays[i], hit) << i;
+        w->going |=
+            (uint32_t)path_media_arrive(w->stage, &w->paths[i], &w->rays[i], hit, w->cones[i].width)
+            << i;
     }
     w->going &= not_cut(w);
+}
+
+/* Along the rays, to what they have met. */
+static void follow_cones(struct wave *w, uint32_t which, const struct ray_hit hits[])
+{
+    for (; which; which &= which - 1) {
+        const uint32_t i = lowest(which);
+        const float pdf_w = w->plain >> i & 1 ? w->lanes.pdf_w[i] : w->paths[i].pdf_w;
+        w->cones[i] = cone_along(cone_scatter(w->cones[i], pdf_w), hits[i].t);
+    }
 }
 
 static void arrive(struct wave *w, uint32_t which)
@@ -284,6 +314,8 @@ static void arrive(struct wave *w, uint32_t which)
     uint32_t found = bvh_hit_closest_8(s, which, w->rays, hits);
     if (s->masked)
         found = path_mask_pass(s, w->rngs, w->bounce + 1, found, w->rays, hits);
+    if (s->pyramids.count)
+        follow_cones(w, found, hits);
     if (s->media) {
         arrive_in_media(w, which, found, hits);
         return;
@@ -292,7 +324,7 @@ static void arrive(struct wave *w, uint32_t which)
     const uint32_t plain = path8_arrive(s, found, w->rays, hits, &at);
     for (uint32_t left = found & ~plain; left; left &= left - 1) {
         const uint32_t i = lowest(left);
-        const struct path_vertex v = path_vertex_make(s, &w->rays[i], &hits[i]);
+        const struct path_vertex v = path_vertex_make(s, &w->rays[i], &hits[i], w->cones[i].width);
         if (w->plain >> i & 1)
             leave_lanes(w, i);
         path_arrive(s, &w->paths[i], &v);
@@ -323,6 +355,8 @@ static void step(struct wave *w)
     struct direct direct;
     if (w->stage->wrapped)
         choose_materials(w);
+    if (w->stage->slots.count)
+        apply_textures(w);
     draw(w);
     look_at_lights(w, &direct);
     const uint32_t next = scatter(w);
@@ -395,7 +429,8 @@ static bool begin_in_media(struct wave *w, uint32_t i, const struct wave_starts 
     p->vertex.at.p = starts->origins[k];
     const struct ray_hit *hit = starts->met >> k & 1 ? &starts->hits[k] : NULL;
     const bool goes_on =
-        path_media_begin(w->stage, p, &starts->rays[k], hit) && w->stage->settings.max_bounces > 0;
+        path_media_begin(w->stage, p, &starts->rays[k], hit, starts->cones[k].width) &&
+        w->stage->settings.max_bounces > 0;
     w->going |= (uint32_t)goes_on << i;
     w->plain &= ~(1u << i);
     if (w->terms)
@@ -417,6 +452,7 @@ static void put_in_media(struct wave *w, uint32_t which, const struct wave_start
             continue;
         w->number[i] = number + k;
         w->bounce[i] = 0;
+        w->cones[i] = starts->cones[k];
         rng8_set_lane(&w->rng, i, &rngs[k]);
         w->rngs[i] = rngs[k];
     }
@@ -447,6 +483,7 @@ void wave_put(struct wave *w, uint32_t which, const struct wave_starts *starts,
             taken |= 1u << i;
             k[i] = start;
             w->number[i] = number + start;
+            w->cones[i] = starts->cones[start];
             rng8_set_lane(&w->rng, i, &rngs[start]);
             w->rngs[i] = rngs[start];
         }
