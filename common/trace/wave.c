@@ -241,7 +241,7 @@ static uint32_t scatter(struct wave *w)
             .first = w->draw.first[i] != 0,
             .may_end = w->draw.may_end[i] != 0,
         };
-        next |= (uint32_t)path_scatter(&w->paths[i], &one, &w->rays[i]) << i;
+        next |= (uint32_t)path_scatter(w->stage, &w->paths[i], &one, &w->rays[i]) << i;
     }
     return next;
 }
