@@ -94,6 +94,7 @@ enum material_kind {
     MATERIAL_RETROREFLECTOR,
     MATERIAL_LEAF,
     MATERIAL_PLASTIC,
+    MATERIAL_PRINCIPLED,
     MATERIAL_CLOTH,
     MATERIAL_MIX,
     MATERIAL_MASK,
@@ -175,6 +176,14 @@ struct material {
             rgb albedo, color; /* of the base, of the fibres; [0, 1] */
             float roughness;   /* of the fibres, [0.1, 1] */
         } cloth;
+        struct { /* all in [0, 1] but ior */
+            rgb base_color, sheen_color;
+            float metallic, roughness; /* roughness^2 is the GGX width */
+            float ior;                 /* [1.1, 3] */
+            float transmission;        /* of what is not metal */
+            float clearcoat, clearcoat_roughness;
+            float sheen_roughness; /* [0.1, 1] */
+        } principled;
         struct {
             uint32_t first, second; /* indices into scene.materials */
             float amount;           /* of the second, [0, 1] */

@@ -32,6 +32,7 @@ static const char *const material_names[] = {
     [MATERIAL_RETROREFLECTOR] = "retroreflector",
     [MATERIAL_LEAF] = "leaf",
     [MATERIAL_PLASTIC] = "plastic",
+    [MATERIAL_PRINCIPLED] = "principled",
     [MATERIAL_CLOTH] = "cloth",
     [MATERIAL_MIX] = "mix",
     [MATERIAL_MASK] = "mask",
@@ -70,6 +71,9 @@ static void read_material(const struct scene_params *p, struct material *m)
         return;
     case MATERIAL_PLASTIC:
         scene_coat_plastic(p, m);
+        return;
+    case MATERIAL_PRINCIPLED:
+        scene_coat_principled(p, m);
         return;
     case MATERIAL_CLOTH:
         scene_coat_cloth(p, m);

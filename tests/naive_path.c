@@ -143,6 +143,7 @@ static bool scatter(const struct material *m, bool front, struct dir wo, struct 
     case MATERIAL_RETROREFLECTOR:
     case MATERIAL_LEAF:
     case MATERIAL_PLASTIC:
+    case MATERIAL_PRINCIPLED:
     case MATERIAL_CLOTH:
     case MATERIAL_MIX:
     case MATERIAL_MASK:

@@ -21,12 +21,18 @@
 /* The first bounce after which a path may be ended by chance. */
 enum { PATH_ROULETTE_BEGIN = 1 };
 
+struct path_raised { /* path_shade.h */
+    bool is;         /* light from below the triangle and above the frame's plane is gathered at: */
+    vec3 p;
+};
+
 struct path_vertex { /* where a ray has arrived */
     struct surface at;
     struct warp_frame frame;
     const struct material *material;
     vec3 wo;                    /* where the ray came from; local */
     struct texture_point point; /* for the textures of a material that has some */
+    struct path_raised raised;
 };
 
 struct path_media;
@@ -48,8 +54,8 @@ struct path_draw { /* the random numbers of a scattering */
     bool may_end; /* by chance */
 };
 
-/* What a vertex's surface.lit is, as far as anybody asks: the tree of lights. up: of the way out,
- * over the geometric surface. */
+/* What a vertex's surface.lit is, as far as anybody asks: the tree of lights. up: wo's z. (What is
+ * scattered to wo came from the same side by both normals.) */
 float path_lit(const struct stage *, const struct material *, float up);
 
 /* width: of the ray's cone at the hit, in m (cone.h). */
@@ -70,11 +76,11 @@ struct path_lamp { /* the random numbers of a look at a light */
 
 /* Light that may reach the vertex from one chosen emitter and goes on to wo, MIS-weighted. True:
  * *light comes if *shadow hits nothing. */
-bool path_light_directly(const struct stage *, const struct path *, const struct path_lamp *,
+bool path_light_directly(const struct stage *, struct path *, const struct path_lamp *,
                          struct ray *shadow, rgb *light);
 
 /* The next ray; false: there is none. */
-bool path_scatter(struct path *, const struct path_draw *, struct ray *);
+bool path_scatter(const struct stage *, struct path *, const struct path_draw *, struct ray *);
 
 /* The vertex where the ray has arrived, and what it emits. */
 void path_arrive(const struct stage *, struct path *, const struct path_vertex *);
