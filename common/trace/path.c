@@ -18,6 +18,23 @@ static float mis_weight(float a, float b)
     return 1 / (1 + r * r);
 }
 
+/* How many times a technique's density counts in the other's weight. Weights add up to 1 whatever
+ * that is, so each strategy is unbiased; where both techniques find a light, one of them has all
+ * the weight, exactly 1 (and the other 0, unless its density is 2^36 times as large), and what only
+ * one finds it still finds. */
+struct trust {
+    float light, bsdf; /* each 1 over the other */
+};
+
+static const struct trust trusts[] = {[STRATEGY_MIS] = {1, 1},
+                                      [STRATEGY_LIGHT] = {0x1p+100f, 0x1p-100f},
+                                      [STRATEGY_BSDF] = {0x1p-100f, 0x1p+100f}};
+
+static const struct trust *trust_of(const struct stage *s)
+{
+    return &trusts[s->settings.strategy];
+}
+
 /* Russian roulette: the chance to go on. `share` is the path's throughput, relative to what its
  * first scattering left of it: what all paths of the pixel have lost alike makes none of them less
  * important. (And relative to what refraction alone has put into it, which leaving the glass takes
@@ -75,7 +92,7 @@ rgb path_beyond(const struct stage *s, vec3 dir, float pdf_w)
         float sampled;
         const rgb found = light_beyond(s, e, dir, &sampled);
         if (!rgb_is_black(found))
-            light += found * (pdf_w == 0 ? 1 : mis_weight(pdf_w, sampled));
+            light += found * (pdf_w == 0 ? 1 : mis_weight(pdf_w, sampled * trust_of(s)->light));
     }
     return light;
 }
@@ -97,7 +114,7 @@ static rgb reflected(const struct stage *s, const struct path *p, const struct l
         return f;
     f *= light->value;
     if (light->pdf_w != 0)
-        f *= mis_weight(light->pdf_w, bsdf_pdf_w(v->material, v->wo, wi));
+        f *= mis_weight(light->pdf_w, bsdf_pdf_w(v->material, v->wo, wi) * trust_of(s)->bsdf);
     if (p->media)
         f *= path_media_passed(s, p, wi, &light->shadow);
     return p->throughput * f;
@@ -141,7 +158,7 @@ bool path_light_directly(const struct stage *s, struct path *p, const struct pat
         return false;
     *light = reflected(s, p, &sample, wi);
     *shadow = sample.shadow;
-    return !rgb_is_black(*light);
+    return !rgb_is_black(*light); /* the strategy may give it no weight */
 }
 
 bool path_scatter(const struct stage *s, struct path *p, const struct path_draw *draw,
@@ -183,6 +200,8 @@ void path_arrive(const struct stage *s, struct path *p, const struct path_vertex
     const rgb found = path_emission(s, v);
     if (rgb_is_black(found))
         return;
-    const float weight = p->pdf_w == 0 ? 1 : mis_weight(p->pdf_w, light_pdf_w(s, &from, &v->at));
+    const float weight =
+        p->pdf_w == 0 ? 1
+                      : mis_weight(p->pdf_w, light_pdf_w(s, &from, &v->at) * trust_of(s)->light);
     p->light += p->throughput * found * weight;
 }

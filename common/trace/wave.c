@@ -184,9 +184,8 @@ static void look_at_lights(struct wave *w, struct direct *d)
     for (uint32_t left = w->going & ~lanes; left; left &= left - 1) {
         const uint32_t i = lowest(left);
         const struct path_lamp lamp = {{w->lamp.u[i], w->lamp.v[i]}, picked ? &picked[i] : NULL};
-        d->others |=
-            (uint32_t)path_light_directly(s, &w->paths[i], &lamp, &w->shadows[i], &d->of_others[i])
-            << i;
+        if (path_light_directly(s, &w->paths[i], &lamp, &w->shadows[i], &d->of_others[i]))
+            d->others |= 1u << i;
     }
 }
 
@@ -359,9 +358,10 @@ static void step(struct wave *w)
         choose_materials(w);
     if (w->stage->slots.count)
         apply_textures(w);
-    draw(w);
+    if (!wave_has_drawn_otherwise(w))
+        draw(w);
     look_at_lights(w, &direct);
-    const uint32_t next = scatter(w);
+    const uint32_t next = wave_kept(w, scatter(w));
     add_direct(w, &direct);
     arrive(w, next);
     w->bounce += 1;
