@@ -77,11 +77,11 @@ struct path_vertex path_vertex_make(const struct stage *s, const struct ray *ray
         .material = (const struct material *)stage_at(s, s->materials) + at.material,
         .wo = warp_to_local(&frame, -ray->dir),
     };
-    v.at.lit = path_lit(s, v.material, -vec3_dot(ray->dir, at.ng));
     if (s->slots.count && textured_needs(v.material))
         find_point(s, ray, hit, width, &v);
     if (s->details.count)
         path_shade(s, ray, hit, &v);
+    v.at.lit = path_lit(s, v.material, v.wo[2]);
     return v;
 }
 

@@ -54,8 +54,8 @@ struct path_draw { /* the random numbers of a scattering */
     bool may_end; /* by chance */
 };
 
-/* What a vertex's surface.lit is, as far as anybody asks: the tree of lights. up: of the way out,
- * over the geometric surface. */
+/* What a vertex's surface.lit is, as far as anybody asks: the tree of lights. up: wo's z. (What is
+ * scattered to wo came from the same side by both normals.) */
 float path_lit(const struct stage *, const struct material *, float up);
 
 /* width: of the ray's cone at the hit, in m (cone.h). */

@@ -6,6 +6,7 @@
 #include "common/trace/bsdf.h"
 #include "common/trace/bvh.h"
 #include "common/trace/light8.h"
+#include "common/trace/wave_pick.h"
 #include "common/trace/material.h"
 #include "common/trace/path_mask.h"
 #include "common/trace/textured.h"
@@ -41,7 +42,7 @@ static struct path path_of_lane(const struct wave *w, uint32_t i)
                          .vertex = vertex_of_lane(w->stage, &w->lanes.vertex, i)};
 }
 
-/* Out of the lanes, and into them, with the vertex that it has come from. */
+/* Out of the lanes; and into them, but for the vertex, which is left behind. */
 static void leave_lanes(struct wave *w, uint32_t i)
 {
     w->paths[i] = path_of_lane(w, i);
@@ -55,12 +56,6 @@ static void enter_lanes(struct wave *w, uint32_t i)
     vec8_set_lane(&w->lanes.throughput, i, p->throughput);
     w->lanes.scale[i] = p->scale;
     w->lanes.pdf_w[i] = p->pdf_w;
-    vec8_set_lane(&w->lanes.vertex.at.p, i, p->vertex.at.p);
-    if (w->stage->light_nodes.count) { /* what of the vertex the tree looks at */
-        vec8_set_lane(&w->lanes.vertex.at.ng, i, p->vertex.at.ng);
-        vec8_set_lane(&w->lanes.vertex.wo, i, p->vertex.wo);
-        w->lanes.vertex.material[i] = p->vertex.at.material;
-    }
     w->plain |= 1u << i;
 }
 
@@ -172,24 +167,6 @@ struct direct {
     rgb of_others[WAVE_LANES];
 };
 
-/* Of many lights one for each path that has use for it, chosen side by side. */
-static void pick_lights(const struct wave *w, struct light_pick picks[WAVE_LANES])
-{
-    const struct surface *from[WAVE_LANES];
-    uint32_t path[WAVE_LANES], bits[WAVE_LANES], count = 0;
-    struct light_pick found[WAVE_LANES];
-    for (uint32_t left = w->going; left; left &= left - 1) {
-        const uint32_t i = lowest(left);
-        from[count] = &w->paths[i].vertex.at;
-        bits[count] = w->lamp.u[i];
-        path[count] = i;
-        count += !bsdf_is_delta(w->paths[i].vertex.material);
-    }
-    light_pick(w->stage, from, bits, count, found);
-    for (uint32_t k = 0; k < count; k++)
-        picks[path[k]] = found[k];
-}
-
 static void look_at_lights(struct wave *w, struct direct *d)
 {
     const struct stage *s = w->stage;
@@ -199,18 +176,16 @@ static void look_at_lights(struct wave *w, struct direct *d)
         return;
     if (lanes)
         d->lanes = lanes & path8_light_directly(s, &w->lanes, &w->lamp, w->shadows, &d->of_lanes);
-    const bool many = s->light_nodes.count > 0;
-    struct light_pick picks[WAVE_LANES];
+    struct light_pick picks[WAVE_LANES], *const picked = s->light_nodes.count ? picks : NULL;
     for (uint32_t left = w->going & w->plain & ~lanes; left; left &= left - 1)
         w->paths[lowest(left)] = path_of_lane(w, lowest(left));
-    if (many)
-        pick_lights(w, picks);
+    if (picked)
+        wave_pick(w, picks);
     for (uint32_t left = w->going & ~lanes; left; left &= left - 1) {
         const uint32_t i = lowest(left);
-        const struct path_lamp lamp = {{w->lamp.u[i], w->lamp.v[i]}, many ? &picks[i] : NULL};
-        d->others |=
-            (uint32_t)path_light_directly(s, &w->paths[i], &lamp, &w->shadows[i], &d->of_others[i])
-            << i;
+        const struct path_lamp lamp = {{w->lamp.u[i], w->lamp.v[i]}, picked ? &picked[i] : NULL};
+        if (path_light_directly(s, &w->paths[i], &lamp, &w->shadows[i], &d->of_others[i]))
+            d->others |= 1u << i;
     }
 }
 
@@ -292,10 +267,10 @@ static void leave_scene(struct wave *w, uint32_t which)
     }
 }
 
-/* A vertex in lanes that emits. */
-static void find_emission(struct wave *w, const struct path8_vertex *at, uint32_t i)
+/* A vertex in lanes that emits. lane: the path has come from there, too. */
+static void find_emission(struct wave *w, const struct path8_vertex *at, uint32_t i, bool lane)
 {
-    struct path p = path_of_lane(w, i);
+    struct path p = lane ? path_of_lane(w, i) : w->paths[i];
     const struct path_vertex v = vertex_of_lane(w->stage, at, i);
     path_arrive(w->stage, &p, &v);
     vec8_set_lane(&w->lanes.light, i, p.light);
@@ -354,10 +329,11 @@ static void arrive(struct wave *w, uint32_t which)
             leave_lanes(w, i);
         path_arrive(s, &w->paths[i], &v);
     }
-    for (uint32_t left = plain & ~w->plain; left; left &= left - 1)
+    const uint32_t were_plain = w->plain;
+    for (uint32_t left = plain & ~were_plain; left; left &= left - 1)
         enter_lanes(w, lowest(left));
     for (uint32_t left = plain & at.shining; left; left &= left - 1)
-        find_emission(w, &at, lowest(left));
+        find_emission(w, &at, lowest(left), were_plain >> lowest(left) & 1);
     if (plain)
         w->lanes.vertex = at;
     w->going = found & not_cut(w);
