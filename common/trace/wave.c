@@ -29,19 +29,14 @@ static struct path_vertex vertex_of_lane(const struct stage *s, const struct pat
                                 .wo = vec8_lane(&v->wo, i)};
 }
 
-static struct path path_of_lane(const struct wave *w, uint32_t i)
-{
-    return (struct path){.light = vec8_lane(&w->lanes.light, i),
-                         .throughput = vec8_lane(&w->lanes.throughput, i),
-                         .scale = w->lanes.scale[i],
-                         .pdf_w = w->lanes.pdf_w[i],
-                         .vertex = vertex_of_lane(w->stage, &w->lanes.vertex, i)};
-}
-
-/* Out of the lanes, and into them, with the vertex that it has come from. */
+/* Out of the lanes, and into them; the vertices do not come along. */
 static void leave_lanes(struct wave *w, uint32_t i)
 {
-    w->paths[i] = path_of_lane(w, i);
+    struct path *p = &w->paths[i];
+    p->light = vec8_lane(&w->lanes.light, i);
+    p->throughput = vec8_lane(&w->lanes.throughput, i);
+    p->scale = w->lanes.scale[i];
+    p->pdf_w = w->lanes.pdf_w[i];
     w->plain &= ~(1u << i);
 }
 
@@ -52,7 +47,6 @@ static void enter_lanes(struct wave *w, uint32_t i)
     vec8_set_lane(&w->lanes.throughput, i, p->throughput);
     w->lanes.scale[i] = p->scale;
     w->lanes.pdf_w[i] = p->pdf_w;
-    vec8_set_lane(&w->lanes.vertex.at.p, i, p->vertex.at.p);
     w->plain |= 1u << i;
 }
 
@@ -126,8 +120,10 @@ static void look_at_lights(struct wave *w, struct direct *d)
     for (uint32_t left = w->going & ~lanes; left; left &= left - 1) {
         const uint32_t i = lowest(left);
         const struct sobol_bits lamp = {w->lamp.u[i], w->lamp.v[i]};
-        if (w->plain >> i & 1)
-            w->paths[i] = path_of_lane(w, i);
+        if (w->plain >> i & 1) { /* a copy, for its light alone */
+            w->paths[i].throughput = vec8_lane(&w->lanes.throughput, i);
+            w->paths[i].vertex = vertex_of_lane(s, &w->lanes.vertex, i);
+        }
         d->others |=
             (uint32_t)path_light_directly(s, &w->paths[i], lamp, &w->shadows[i], &d->of_others[i])
             << i;
@@ -195,36 +191,41 @@ static void leave_scene(struct wave *w, uint32_t which)
     }
 }
 
-/* A vertex in lanes that emits. */
-static void find_emission(struct wave *w, const struct path8_vertex *at, uint32_t i)
+/* A path whose vertex is in lanes, emits, and has been found from there. */
+static void find_emission(struct wave *w, uint32_t i, vec3 from)
 {
-    struct path p = path_of_lane(w, i);
-    const struct path_vertex v = vertex_of_lane(w->stage, at, i);
-    path_arrive(w->stage, &p, &v);
-    vec8_set_lane(&w->lanes.light, i, p.light);
+    const struct path_vertex v = vertex_of_lane(w->stage, &w->lanes.vertex, i);
+    struct path *p = &w->paths[i];
+    leave_lanes(w, i);
+    p->vertex.at.p = from;
+    path_arrive(w->stage, p, &v);
+    enter_lanes(w, i);
 }
 
 static void arrive(struct wave *w, uint32_t which)
 {
     const struct stage *s = w->stage;
+    const struct vec8 from = w->lanes.vertex.at.p;
     struct ray_hit hits[WAVE_LANES];
-    struct path8_vertex at;
     const uint32_t found = bvh_hit_closest_8(s, which, w->rays, hits);
     leave_scene(w, which & ~found);
-    const uint32_t plain = path8_arrive(s, found, w->rays, hits, &at);
+    const uint32_t plain = path8_arrive(s, found, w->rays, hits, &w->lanes.vertex);
     for (uint32_t left = found & ~plain; left; left &= left - 1) {
         const uint32_t i = lowest(left);
         const struct path_vertex v = path_vertex_make(s, &w->rays[i], &hits[i]);
-        if (w->plain >> i & 1)
+        if (w->plain >> i & 1) {
             leave_lanes(w, i);
+            w->paths[i].vertex.at.p = vec8_lane(&from, i);
+        }
         path_arrive(s, &w->paths[i], &v);
     }
-    for (uint32_t left = plain & ~w->plain; left; left &= left - 1)
+    const uint32_t came = plain & ~w->plain;
+    for (uint32_t left = came; left; left &= left - 1)
         enter_lanes(w, lowest(left));
-    for (uint32_t left = plain & at.shining; left; left &= left - 1)
-        find_emission(w, &at, lowest(left));
-    if (plain)
-        w->lanes.vertex = at;
+    for (uint32_t left = plain & w->lanes.vertex.shining; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        find_emission(w, i, came >> i & 1 ? w->paths[i].vertex.at.p : vec8_lane(&from, i));
+    }
     w->going = found & i32x8_mask(w->bounce + 1 < s->settings.max_bounces);
 }
 
