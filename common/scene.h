@@ -90,6 +90,15 @@ enum material_kind {
     MATERIAL_MIRROR,
     MATERIAL_DIELECTRIC,
     MATERIAL_CONDUCTOR,
+    MATERIAL_ROUGH_DIFFUSE,
+    MATERIAL_RETROREFLECTOR,
+    MATERIAL_LEAF,
+    MATERIAL_PLASTIC,
+    MATERIAL_PRINCIPLED,
+    MATERIAL_CLOTH,
+    MATERIAL_MIX,
+    MATERIAL_MASK,
+    MATERIAL_TWO_SIDED,
     /* From here on without a name in documents. */
     MATERIAL_METAL, /* a "conductor" that asks for more than MATERIAL_CONDUCTOR has */
 };
@@ -101,10 +110,37 @@ enum material_needs {
     MATERIAL_NEEDS_COLOR = 4,   /* the mesh's vertex colours */
 };
 
+/* What lies behind the surface of a dielectric. */
+struct inside {
+    rgb absorption;    /* 1/m, [0, 1e9] */
+    uint32_t priority; /* where bodies overlap, the highest counts; 0: none given */
+};
+
+enum material_channel { /* of a texture, as a number */
+    MATERIAL_CHANNEL_LUMINANCE,
+    MATERIAL_CHANNEL_R,
+    MATERIAL_CHANNEL_G,
+    MATERIAL_CHANNEL_B,
+    MATERIAL_CHANNEL_A,
+};
+
+/* A member of a material that a texture drives. */
+struct material_slot {
+    uint32_t texture; /* index into scene.textures */
+    uint32_t member;  /* its offset in struct material */
+    uint32_t is_rgb;  /* 1: an rgb; 0: a float */
+    enum material_channel channel; /* of a float */
+    float lo, hi;     /* the member's range, in which the value is kept */
+    float scale[3];   /* times the texture's value; of a float: scale[0] */
+};
+
 struct material {
     const char *name;
     enum material_kind kind;
     uint32_t needs; /* enum material_needs, or-ed */
+    struct inside inside;
+    uint32_t slot_begin, slot_end; /* of scene.slots. The members they drive hold what the texture's
+                                    * value 1 would make of them */
     union {
         struct {
             rgb albedo; /* [0, 1] */
@@ -120,6 +156,45 @@ struct material {
             rgb eta, k;  /* complex index of refraction per channel, eta > 0, k >= 0 */
             float alpha; /* GGX width, [0, 1]; 0 is a perfect mirror with conductor Fresnel */
         } conductor;
+        struct {
+            rgb albedo;      /* [0, 1] */
+            float roughness; /* [0, 1]; 0 is Lambertian */
+        } rough_diffuse;
+        struct {
+            rgb reflectance; /* [0, 1] */
+            float alpha;     /* GGX width, [0, 1]; 0 sends light back exactly */
+        } retro;
+        struct {
+            rgb reflectance, transmittance; /* sum in [0, 1] */
+        } leaf;
+        struct {
+            rgb albedo;  /* of the base, [0, 1] */
+            float ior;   /* of the coat, [1.1, 3] */
+            float alpha; /* GGX width of its facets, [0, 1]; 0 is smooth */
+        } plastic;
+        struct {
+            rgb albedo, color; /* of the base, of the fibres; [0, 1] */
+            float roughness;   /* of the fibres, [0.1, 1] */
+        } cloth;
+        struct { /* all in [0, 1] but ior */
+            rgb base_color, sheen_color;
+            float metallic, roughness; /* roughness^2 is the GGX width */
+            float ior;                 /* [1.1, 3] */
+            float transmission;        /* of what is not metal */
+            float clearcoat, clearcoat_roughness;
+            float sheen_roughness; /* [0.1, 1] */
+        } principled;
+        struct {
+            uint32_t first, second; /* indices into scene.materials */
+            float amount;           /* of the second, [0, 1] */
+        } mix;
+        struct {
+            uint32_t of;   /* the material where there is one */
+            float opacity; /* [0, 1]; 0: nothing is there, rays go straight on */
+        } mask;
+        struct {
+            uint32_t front, back; /* both opaque */
+        } two_sided;
         struct {
             rgb eta, k;              /* as a conductor's */
             float alpha_x, alpha_y;  /* GGX width along the x axis of the local frame and across */
@@ -148,7 +223,7 @@ struct image_asset {
                                    * from the top; alpha is not multiplied in */
 };
 
-enum texture_kind { TEXTURE_IMAGE };
+enum texture_kind { TEXTURE_IMAGE, TEXTURE_CHECKER, TEXTURE_VERTEX_COLOR };
 enum texture_space { TEXTURE_SRGB, TEXTURE_LINEAR }; /* of the whole numbers of an image */
 enum texture_wrap { TEXTURE_REPEAT, TEXTURE_CLAMP, TEXTURE_MIRROR };
 enum texture_filter { TEXTURE_TRILINEAR, TEXTURE_BILINEAR, TEXTURE_NEAREST };
@@ -156,6 +231,7 @@ enum texture_filter { TEXTURE_TRILINEAR, TEXTURE_BILINEAR, TEXTURE_NEAREST };
 struct texture {
     const char *name;
     enum texture_kind kind;
+    float uv_scale[2], uv_offset[2]; /* it is looked at in uv times scale plus offset */
     union {
         struct {
             uint32_t image; /* index into scene.images */
@@ -163,6 +239,9 @@ struct texture {
             enum texture_wrap wrap;
             enum texture_filter filter;
         } image;
+        struct {
+            rgb colors[2]; /* of squares of side 1: of the one at the origin, of its neighbours */
+        } checker;
     };
 };
 
@@ -275,7 +354,9 @@ struct scene {
     struct light *lights;
     struct texture *textures;
     struct image_asset *images;
+    struct material_slot *slots; /* of all materials */
     uint32_t material_count, shape_count, mesh_count, light_count, texture_count, image_count;
+    uint32_t slot_count;
 };
 
 /* What is wrong with a document: all of it at once, in document order. */

@@ -144,7 +144,7 @@ void scene_read(struct scene_doc *doc, const struct scene_at *whole, struct scen
     scene_doc_object(doc, whole, "the document", keys, countof(keys));
     read_version(doc, whole);
     struct scene_at at;
-    struct scene_names names = {0};
+    struct scene_names names = {0}, textures = {.one = "texture", .known = true};
     if (scene_at_member(whole, "title", &at))
         scene_doc_text(doc, &at, 0, SCENE_MAX_NAME, &scene->title);
     if (scene_at_member(whole, "film", &at))
@@ -152,9 +152,9 @@ void scene_read(struct scene_doc *doc, const struct scene_at *whole, struct scen
     if (scene_at_member(whole, "camera", &at))
         scene_read_camera(doc, &at, &scene->camera);
     if (scene_at_member(whole, "textures", &at))
-        scene_read_textures(doc, &at, scene);
+        textures = scene_read_textures(doc, &at, scene);
     if (scene_at_member(whole, "materials", &at))
-        names = scene_read_materials(doc, &at, scene);
+        names = scene_read_materials(doc, &at, &textures, scene);
     if (scene_at_member(whole, "shapes", &at))
         scene_read_shapes(doc, &at, &names, scene);
     if (scene_at_member(whole, "lights", &at))

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "common/scene_check.h"
+#include "common/scene_wrap.h"
 
 static const struct scene_range coordinate = {-SCENE_MAX_ABS, SCENE_MAX_ABS, false};
 static const struct scene_range length_range = {SCENE_MIN_LENGTH, SCENE_MAX_ABS, false};
@@ -256,6 +257,16 @@ static void check_mesh_world(struct scene_doc *doc, const struct scene_at *at,
     }
 }
 
+/* Next-event estimation takes a lamp's whole surface for its light. */
+static void check_shines(struct scene_doc *doc, const struct scene_at *at,
+                         const struct scene *scene, const struct shape *s)
+{
+    struct scene_at member;
+    if (!rgb_is_black(s->emission) && scene_wrap_has_mask(scene, s->material) &&
+        scene_at_member(at, "emission", &member))
+        scene_doc_expected(doc, &member, ERR_INPUT, "no emission where the material has a mask");
+}
+
 static const char *const shape_names[] = {[SHAPE_SPHERE] = "sphere",
                                           [SHAPE_DISC] = "disc",
                                           [SHAPE_CYLINDER] = "cylinder",
@@ -270,9 +281,11 @@ static void read_shape(struct scene_doc *doc, const struct scene_at *at,
         return;
     s->kind = (enum shape_kind)kind;
     struct scene_at member;
-    if (scene_at_member(at, "material", &member))
-        scene_names_find(doc, &member, names, &s->material);
+    const bool found = scene_at_member(at, "material", &member) &&
+                       scene_names_find(doc, &member, names, &s->material);
     scene_key_rgb(doc, at, "emission", (struct scene_range){0, SCENE_MAX_ABS, false}, &s->emission);
+    if (found)
+        check_shines(doc, at, scene, s);
     struct scene_xform x = scene_xform_identity();
     const bool placed =
         !scene_at_member(at, "transform", &member) || scene_read_transform(doc, &member, &x);

@@ -5,6 +5,12 @@
 
 static const struct scene_range fraction = {0, 1, false};
 
+_Static_assert(offsetof(struct material, conductor.eta) == offsetof(struct material, metal.eta) &&
+                   offsetof(struct material, conductor.k) == offsetof(struct material, metal.k) &&
+                   offsetof(struct material, conductor.alpha) ==
+                       offsetof(struct material, metal.alpha_x),
+               "a conductor begins like a metal");
+
 /* --- metals by name --- */
 
 /* Index of refraction eta + i k in the bands of the three channels. Measured:
@@ -72,18 +78,17 @@ static void read_flag(const struct scene_params *p, const char *key, bool *out)
 }
 
 /* One width, or one along the tangent and one across. */
-static void read_widths(const struct scene_params *p, float widths[2])
+static void read_widths(const struct scene_params *p, struct material *m)
 {
     struct scene_at at;
     double both[2];
     if (!scene_at_member(p->at, "alpha", &at))
         return;
     if (scene_at_type(&at) != SCENE_ARRAY) {
-        scene_param_number(p, "alpha", fraction, &widths[0]);
-        widths[1] = widths[0];
+        scene_param_both(p, "alpha", fraction, &m->metal.alpha_x, &m->metal.alpha_y);
     } else if (scene_doc_numbers(p->doc, &at, fraction, both, 2)) {
-        widths[0] = (float)both[0];
-        widths[1] = (float)both[1];
+        m->metal.alpha_x = (float)both[0];
+        m->metal.alpha_y = (float)both[1];
     }
 }
 
@@ -99,6 +104,33 @@ static void read_turn(const struct scene_params *p, float *cos, float *sin)
 
 /* --- the materials --- */
 
+void scene_specular_dielectric(const struct scene_params *p, struct material *m)
+{
+    static const struct scene_key keys[] = {{"type", true},
+                                            {"ior", true},
+                                            {"alpha", false},
+                                            {"absorption", false},
+                                            {"priority", false}};
+    uint64_t priority = 0;
+    m->dielectric.ior = 1;
+    scene_params_of(p, "a dielectric material", keys, countof(keys));
+    scene_param_number(p, "ior", (struct scene_range){1, 4, false}, &m->dielectric.ior);
+    scene_param_number(p, "alpha", fraction, &m->dielectric.alpha);
+    scene_key_rgb(p->doc, p->at, "absorption", (struct scene_range){0, 1e9, false},
+                  &m->inside.absorption);
+    scene_key_integer(p->doc, p->at, "priority", (struct scene_range){1, 1000, false}, &priority);
+    m->inside.priority = (uint32_t)priority;
+}
+
+static void read_constants(const struct scene_params *p, rgb *eta, rgb *k)
+{
+    struct scene_at name;
+    scene_param_rgb(p, "eta", (struct scene_range){1e-3, 100, false}, eta);
+    scene_param_rgb(p, "k", (struct scene_range){0, 100, false}, k);
+    if (scene_at_member(p->at, "metal", &name))
+        read_metal(p, &name, eta, k);
+}
+
 void scene_specular_conductor(const struct scene_params *p, struct material *m)
 {
     struct scene_at name;
@@ -106,23 +138,14 @@ void scene_specular_conductor(const struct scene_params *p, struct material *m)
     const struct scene_key keys[] = {
         {"type", true},  {"metal", false},        {"eta", !named},        {"k", !named},
         {"alpha", true}, {"rotation_deg", false}, {"multiscatter", false}};
-    struct material all = {.name = m->name, .kind = MATERIAL_METAL};
-    float widths[2] = {0, 0};
+    m->kind = MATERIAL_METAL;
     scene_params_of(p, "a conductor material", keys, countof(keys));
-    scene_param_rgb(p, "eta", (struct scene_range){1e-3, 100, false}, &all.metal.eta);
-    scene_param_rgb(p, "k", (struct scene_range){0, 100, false}, &all.metal.k);
-    if (named)
-        read_metal(p, &name, &all.metal.eta, &all.metal.k);
-    read_widths(p, widths);
-    read_turn(p, &all.metal.turn_cos, &all.metal.turn_sin);
-    read_flag(p, "multiscatter", &all.metal.multiscatter);
-    all.metal.alpha_x = widths[0];
-    all.metal.alpha_y = widths[1];
-    *m = all;
-    if (widths[0] != widths[1] || all.metal.multiscatter)
-        return;
-    m->kind = MATERIAL_CONDUCTOR;
-    m->conductor.eta = all.metal.eta;
-    m->conductor.k = all.metal.k;
-    m->conductor.alpha = widths[0];
+    read_constants(p, &m->metal.eta, &m->metal.k);
+    read_widths(p, m);
+    read_turn(p, &m->metal.turn_cos, &m->metal.turn_sin);
+    read_flag(p, "multiscatter", &m->metal.multiscatter);
+    m->needs |= m->metal.alpha_x != m->metal.alpha_y ? MATERIAL_NEEDS_TANGENT : 0;
+    /* What a conductor has, it has where a metal has it, also for the slots of textures. */
+    if (m->metal.alpha_x == m->metal.alpha_y && !m->metal.multiscatter)
+        m->kind = MATERIAL_CONDUCTOR;
 }

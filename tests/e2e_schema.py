@@ -44,6 +44,13 @@ BEYOND_A_SCHEMA = {
     "quad-repeated-corner": "geometry of corners",
     "shape-material-dangling": "a name against names",
     "shape-material-unknown": "a name against names",
+    "material-leaf-sum": "sum of two colours",
+    "material-mix-dangling": "a name against names",
+    "material-mix-of-itself": "what names lead to",
+    "material-mix-in-a-ring": "what names lead to",
+    "material-nested-deep": "what names lead to",
+    "material-mask-shines": "a shape against its material",
+    "material-two-sided-glass": "a name's material",
     "light-spot-angles": "one angle against the other",
     "material-unknown-of-many": "a name against names",
     "material-unknown-of-none": "a name against names",
@@ -51,6 +58,8 @@ BEYOND_A_SCHEMA = {
     "sphere-world-huge": "product of steps",
     "sphere-world-tiny": "product of steps",
     "texture-image-exr-srgb": "one key against another",
+    "textured-unknown": "a name against names",
+    "textured-without-textures": "a name against names",
     "transform-singular-matrix": "geometry of a matrix",
 }
 

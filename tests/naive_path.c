@@ -139,7 +139,16 @@ static bool scatter(const struct material *m, bool front, struct dir wo, struct 
     case MATERIAL_CONDUCTOR:
         return conductor(m, wo, dice, wi, weight);
     case MATERIAL_METAL:
-        break; /* scenes with it are beyond this */
+    case MATERIAL_ROUGH_DIFFUSE:
+    case MATERIAL_RETROREFLECTOR:
+    case MATERIAL_LEAF:
+    case MATERIAL_PLASTIC:
+    case MATERIAL_PRINCIPLED:
+    case MATERIAL_CLOTH:
+    case MATERIAL_MIX:
+    case MATERIAL_MASK:
+    case MATERIAL_TWO_SIDED:
+        break; /* scenes with them are beyond it */
     }
     __builtin_unreachable();
 }

@@ -59,6 +59,15 @@ static struct material *add_material(struct scenes *s, enum material_kind kind)
     return m;
 }
 
+uint32_t scenes_material(struct scenes *s, struct material m)
+{
+    struct material *to = add_material(s, m.kind);
+    const char *name = to->name;
+    *to = m;
+    to->name = name;
+    return s->scene.material_count - 1;
+}
+
 uint32_t scenes_diffuse(struct scenes *s, rgb albedo)
 {
     add_material(s, MATERIAL_DIFFUSE)->diffuse.albedo = albedo;

@@ -27,12 +27,12 @@ uint32_t scenes_diffuse(struct scenes *, rgb albedo); /* materials: their index 
 uint32_t scenes_mirror(struct scenes *, rgb reflectance);
 uint32_t scenes_glass(struct scenes *, float ior);
 uint32_t scenes_metal(struct scenes *, rgb eta, rgb k, float alpha);
+uint32_t scenes_material(struct scenes *, struct material); /* any */
 
 struct shape *scenes_sphere(struct scenes *, uint32_t material, vec3 center, float radius);
 struct shape *scenes_disc(struct scenes *, uint32_t material, vec3 center, vec3 normal,
                           float radius);
-struct shape *scenes_cylinder(struct scenes *, uint32_t material, vec3 from, vec3 to,
-                              float radius);
+struct shape *scenes_cylinder(struct scenes *, uint32_t material, vec3 from, vec3 to, float radius);
 /* The parallelogram corner, corner + a, corner + a + b, corner + b; its front is where a x b is. */
 struct shape *scenes_quad(struct scenes *, uint32_t material, vec3 corner, vec3 a, vec3 b);
 struct shape *scenes_triangle(struct scenes *, uint32_t material, vec3 a, vec3 b, vec3 c);

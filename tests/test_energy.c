@@ -70,7 +70,7 @@ static struct scenes_mean skin_mean(const struct skin *skin, uint32_t samples)
                 rngs[k] = rng_make(1, pixel, 0, WAVE_LANES * j + k);
                 rays[k] = skin_ray(skin, &rngs[k]);
             }
-            wave_begin(skin->stage, 0xff, rays, &starts);
+            wave_begin(skin->stage, 0xff, rays, rngs, &starts);
             for (uint32_t k = 0; k < WAVE_LANES; k++)
                 starts.light[k] = rgb_gray(0);
             scenes_follow(skin->stage, 0xff, &starts, rngs, PATH_ROULETTE_BEGIN, light);

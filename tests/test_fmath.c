@@ -85,6 +85,18 @@ static uint32_t digest_of_atan2(void)
     return h;
 }
 
+static double worst_of_exp(int n)
+{
+    struct dice dice = dice_make(4);
+    double worst = 0;
+    for (int i = 0; i < n; i++) {
+        const float x =
+            (float)(i % 2 ? dice_range(&dice, -87, 0) : -exp(dice_range(&dice, -60, 4)));
+        worst = fmax(worst, ulps(fmath_exp(x), exp((double)x)));
+    }
+    return worst;
+}
+
 static uint32_t digest(void)
 {
     uint32_t h = 1;
@@ -118,5 +130,9 @@ int main(void)
            fmath_atan2(2, 0) == FMATH_HALF_PI && fmath_atan2(-2, 0) == -FMATH_HALF_PI,
        "angles along the axes are exact, of no direction 0");
     ok(digest_of_atan2() == 0x78a942d1, "100000 angles have the bits of every other build");
+
+    ok(worst_of_exp(n) < 1, "powers of e within 1 ulp");
+    ok(fmath_exp(0) == 1 && fmath_exp(-88) == 0 && fmath_exp(-INFINITY) == 0,
+       "e^0 is exact, far below it nothing is left");
     return tap_done();
 }

@@ -1,5 +1,5 @@
 /* Mirrors, metals and glass, over their range of roughness: the laws of scattering (stat/laws.h).
- * What is diffuse, and layers: test_layers.c.
+ * What is diffuse, and layers: test_coats.c.
  * SPDX-License-Identifier: MIT */
 #include "common/trace/bsdf.h"
 

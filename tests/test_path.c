@@ -99,7 +99,7 @@ static double luminance_along(const struct stage *stage, struct ray ray, const s
     struct wave_starts start;
     struct wave wave;
     rgb radiance;
-    wave_begin(stage, 1, &ray, &start);
+    wave_begin(stage, 1, &ray, rng, &start);
     wave_init(&wave, stage, roulette_begin, NULL, &radiance);
     wave_put(&wave, 1, &start, rng, 0);
     wave_finish(&wave);

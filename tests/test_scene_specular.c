@@ -1,6 +1,5 @@
-/* scene_specular.c: what documents say of metals, which kind of material that is, and that named
- * metals have the colours that are known of them.
- * SPDX-License-Identifier: MIT */
+/* scene_specular.c: what documents say of glass and metals, which kind of material that is, and
+ * that named metals have the colours that are known of them. SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -84,8 +83,20 @@ static void conductors(void)
     ok(m.kind == MATERIAL_CONDUCTOR, "not asked for: the plain conductor");
 }
 
+static void dielectrics(void)
+{
+    struct material m = material_of("\"type\": \"dielectric\", \"ior\": 1.5");
+    ok(m.kind == MATERIAL_DIELECTRIC && m.dielectric.ior == 1.5f &&
+           is_rgb(m.inside.absorption, 0, 0, 0) && m.inside.priority == 0,
+       "clear, and without a priority");
+    m = material_of("\"type\": \"dielectric\", \"ior\": 1.5, \"absorption\": [1, 20, 0], "
+                    "\"priority\": 7");
+    ok(is_rgb(m.inside.absorption, 1, 20, 0) && m.inside.priority == 7, "absorption, priority");
+}
+
 int main(void)
 {
+    dielectrics();
     named_metals();
     conductors();
     arena_release(&arena);

@@ -190,7 +190,7 @@ static void go_together(struct lot *l, struct dice *d, uint32_t key)
             rngs[i] = rng_make(key, i, n, dice_bits(d) % 4096);
         }
         l->which[n] = n % 3 ? 0xff : 1 + dice_bits(d) % 0xff;
-        wave_begin(l->stage, l->which[n], rays, &starts);
+        wave_begin(l->stage, l->which[n], rays, rngs, &starts);
         wave_put(&wave, l->which[n], &starts, rngs, n * WAVE_LANES);
         l->plain += __builtin_popcount(starts.plain);
     }

@@ -1,8 +1,8 @@
 /* bsdf.h - how a surface scatters: eval, sample, pdf.
  *
- * Directions are local and unit: z is the geometric normal of the front side (shading normals do
- * not exist yet), wo and wi point away from the surface, and either may lie below it. Only metal
- * with two widths looks at what x and y are.
+ * Directions are local and unit: z is the shading normal of the front side, x the tangent where the
+ * material needs it (metal with two widths), wo and wi point away from the surface, and either may
+ * lie below it. Whether the geometric normal agrees is the caller's business (path_shade.h).
  * Opaque materials look the same from both sides. Only radiance is transported, towards
  * the camera.
  *
@@ -32,6 +32,8 @@ struct bsdf_sample {
 
 static inline bool bsdf_is_delta(const struct material *m)
 {
+    if (m->kind == MATERIAL_DIFFUSE) /* most are: said before the choice */
+        return false;
     switch (m->kind) {
     case MATERIAL_DIFFUSE:
         return false;
@@ -42,16 +44,39 @@ static inline bool bsdf_is_delta(const struct material *m)
                m->dielectric.alpha * (m->dielectric.ior - 1) < BSDF_LEAST_ALPHA;
     case MATERIAL_CONDUCTOR:
         return m->conductor.alpha < BSDF_LEAST_ALPHA;
+    case MATERIAL_RETROREFLECTOR:
+        return m->retro.alpha < BSDF_LEAST_ALPHA;
+    case MATERIAL_ROUGH_DIFFUSE:
+    case MATERIAL_LEAF:
+    case MATERIAL_PLASTIC:
+    case MATERIAL_PRINCIPLED:
+    case MATERIAL_CLOTH:
+        return false;
+    case MATERIAL_MIX: /* looked through before (material.h) */
+    case MATERIAL_MASK:
+    case MATERIAL_TWO_SIDED:
+        break;
     case MATERIAL_METAL:
         return m->metal.alpha_x < BSDF_LEAST_ALPHA && m->metal.alpha_y < BSDF_LEAST_ALPHA;
     }
     __builtin_unreachable();
 }
 
+/* Whether the viewer's direction changes little but the side that is seen. */
+static inline bool bsdf_is_matte(const struct material *m)
+{
+    const uint32_t matte =
+        1u << MATERIAL_DIFFUSE | 1u << MATERIAL_ROUGH_DIFFUSE | 1u << MATERIAL_LEAF;
+    return matte >> m->kind & 1;
+}
+
 /* Whether sampling chooses among kinds of scattering: else bsdf_sample does not look at `lobe`. */
 static inline bool bsdf_has_lobes(const struct material *m)
 {
-    return m->kind == MATERIAL_DIELECTRIC || m->kind == MATERIAL_METAL;
+    const uint32_t lobed = 1u << MATERIAL_DIELECTRIC | 1u << MATERIAL_ROUGH_DIFFUSE |
+                           1u << MATERIAL_LEAF | 1u << MATERIAL_PLASTIC |
+                           1u << MATERIAL_PRINCIPLED | 1u << MATERIAL_CLOTH | 1u << MATERIAL_METAL;
+    return lobed >> m->kind & 1;
 }
 
 /* f |wi.z|. */

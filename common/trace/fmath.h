@@ -1,8 +1,9 @@
 /* fmath.h - our own elementary functions: the same bits on every machine.
  *
  * libm's sine differs in the last bit between versions, and a pixel would with it. Here are
- * only +, -, *, comparisons and conversions, which IEEE 754 fixes (with -ffp-contract=off).
- * Errors are below 2 ulp of the result (tests/test_fmath.c).
+ * only +, -, *, /, square roots, comparisons and conversions, which IEEE 754 fixes (with
+ * -ffp-contract=off).
+ * Errors are below 2 ulp of the result, of the arc cosine 3 (tests/test_fmath.c).
  * SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_FMATH_H
 #define COMMON_TRACE_FMATH_H
@@ -42,11 +43,85 @@ static inline void fmath_sincos(float x, float *s, float *c)
     fmath_sincos_quarters((float)r, k, s, c);
 }
 
+/* e^x for x <= 0; what is below e^-87 is 0. In double, rounded once: x = k ln 2 + f, |f| <= ln 2 / 2,
+ * and e^f by its series. */
+static inline float fmath_exp(float x)
+{
+    if (!(x > -87))
+        return 0;
+    const int k = (int)((double)x * 1.4426950408889634 - 0.5);
+    const double f = (double)x - k * 0.69314718055994531;
+    double p = 1 + f / 9;
+    for (int n = 8; n > 0; n--)
+        p = 1 + f / n * p;
+    const uint32_t bits = (uint32_t)(k + 127) << 23;
+    float scale;
+    __builtin_memcpy(&scale, &bits, sizeof scale);
+    return (float)p * scale;
+}
+
 /* sin and cos of u full turns, u in [0, 1]. The reduction is exact. */
 static inline void fmath_sincos_turns(float u, float *s, float *c)
 {
     const int k = (int)(4 * u + 0.5f);
     fmath_sincos_quarters((4 * u - (float)k) * FMATH_HALF_PI, k, s, c);
+}
+
+/* The angle in [0, pi/2] whose cosine is x, x in [0, 1]: sqrt(1 - x) P(x), P interpolated at the
+ * Chebyshev nodes. */
+static inline float fmath_acos(float x)
+{
+    const float p =
+        x *
+        (-0.214601159f +
+         x * (0.0890301391f +
+              x * (-0.0505935736f +
+                   x * (0.0325711705f +
+                        x * (-0.0207276661f +
+                             x * (0.0110283811f + x * (-0.00397457788f + x * 0.000684531813f)))))));
+    return __builtin_sqrtf(1 - x) * (FMATH_HALF_PI + p);
+}
+
+/* log2 of a normal number above 0, to 1e-12: with x = 2^n m, m in [3/4, 3/2), and
+ * t = (m - 1) / (m + 1), the series 2 / ln 2 (t + t^3 / 3 + ...). */
+static inline double fmath_log2(double x)
+{
+    uint64_t bits;
+    __builtin_memcpy(&bits, &x, sizeof bits);
+    const int64_t n = (int64_t)(bits - 0x3fe8000000000000u) >> 52;
+    bits -= (uint64_t)n << 52;
+    double m;
+    __builtin_memcpy(&m, &bits, sizeof m);
+    const double t = (m - 1) / (m + 1), z = t * t;
+    const double p =
+        1 + z * (1.0 / 3 +
+                 z * (1.0 / 5 +
+                      z * (1.0 / 7 + z * (1.0 / 9 + z * (1.0 / 11 + z * (1.0 / 13 + z / 15))))));
+    return (double)n + 2.8853900817779268 * t * p;
+}
+
+/* 2^x for |x| <= 1000, to 1e-12: the whole part into the exponent, the rest, at most a half, by the
+ * exponential series. */
+static inline double fmath_exp2(double x)
+{
+    const int n = (int)(x + (x < 0 ? -0.5 : 0.5));
+    const double f = (x - n) * 0.69314718055994531;
+    double p = 1 + f / 11;
+    for (int k = 10; k > 0; k--)
+        p = 1 + f / k * p;
+    const uint64_t bits = (uint64_t)(n + 1023) << 52;
+    double scale;
+    __builtin_memcpy(&scale, &bits, sizeof scale);
+    return p * scale;
+}
+
+/* x^y for x >= 0 and y > 0; what is below 2^-126 is 0. */
+static inline float fmath_pow(float x, float y)
+{
+    if (!(x > 0))
+        return 0;
+    const double e = (double)y * fmath_log2((double)x);
+    return e < -126 ? 0 : (float)fmath_exp2(e);
 }
 
 /* The angle of (x, y) from the x axis, in [-pi, pi]; 0 of (0, 0). In double, rounded once: atan r =

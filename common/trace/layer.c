@@ -2,6 +2,8 @@
 #include "common/trace/layer.h"
 
 #include "common/trace/bsdf.h"
+#include "common/trace/material.h"
+#include "common/trace/textured.h"
 
 static void add(double to[], vec3 v)
 {
@@ -9,12 +11,17 @@ static void add(double to[], vec3 v)
         to[i] += (double)v[i];
 }
 
-static rgb albedo(const struct path_vertex *v, const struct rng *rng)
+static rgb albedo(const struct stage *s, const struct path_vertex *v, const struct rng *rng)
 {
+    const struct material *m = v->material;
+    if (s->wrapped)
+        m = material_at(s, v->at.material, v->wo[2] < 0, rng_single(rng, rng_dimension_choice(0)));
+    struct material textured;
+    m = textured_material(s, m, &v->point, &textured);
     const struct square direction = rng_pair(rng, rng_dimension(0, RNG_BSDF_DIRECTION));
     const float lobe = rng_single(rng, rng_dimension(0, RNG_BSDF_LOBE));
     struct bsdf_sample next;
-    if (!bsdf_sample(v->material, v->wo, lobe, direction, &next))
+    if (!bsdf_sample(m, v->wo, lobe, direction, &next))
         return (rgb){0, 0, 0, 0};
     return next.weight / next.scale;
 }
@@ -35,7 +42,7 @@ void layer_surface(const struct stage *s, uint32_t layers, const struct wave_sta
     const struct path_vertex first = wave_first(s, starts, replicate), *v = &first;
     channels[0] += 1;
     if (layers & LAYER_ALBEDO)
-        add(channels + layers_at(layers, LAYER_ALBEDO), albedo(v, rng));
+        add(channels + layers_at(layers, LAYER_ALBEDO), albedo(s, v, rng));
     if (layers & LAYER_NORMAL)
         add(channels + layers_at(layers, LAYER_NORMAL), v->wo[2] < 0 ? -v->frame.z : v->frame.z);
     if (layers & LAYER_DEPTH)

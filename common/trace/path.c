@@ -2,7 +2,12 @@
 #include "common/trace/path.h"
 
 #include "common/trace/bsdf.h"
+#include "common/trace/bvh.h"
 #include "common/trace/light.h"
+#include "common/trace/path_mask.h"
+#include "common/trace/path_media.h"
+#include "common/trace/textured.h"
+#include "common/trace/path_shade.h"
 #include "common/trace/warp.h"
 
 /* The power heuristic with exponent 2 for the technique of density a beside one of density b. As a
@@ -27,17 +32,32 @@ static float survival(float share)
     return q < 1 ? q : 1;
 }
 
+/* Where textures are looked at for a vertex. */
+__attribute__((noinline)) static void find_point(const struct stage *s, const struct ray *ray,
+                                                 const struct ray_hit *hit, float width,
+                                                 struct path_vertex *v)
+{
+    const struct stage_detail *d = surface_detail_of(s, hit->prim, hit->instance);
+    const struct surface_detail detail = surface_detail_at(s, d, hit, &v->at);
+    v->point = textured_point(&detail, v->at.ng, ray->dir, width);
+}
+
 struct path_vertex path_vertex_make(const struct stage *s, const struct ray *ray,
-                                    const struct ray_hit *hit)
+                                    const struct ray_hit *hit, float width)
 {
     const struct surface at = surface_at(s, ray, hit);
     const struct warp_frame frame = warp_frame_make(at.ng);
-    return (struct path_vertex){
+    struct path_vertex v = {
         .at = at,
         .frame = frame,
         .material = (const struct material *)stage_at(s, s->materials) + at.material,
         .wo = warp_to_local(&frame, -ray->dir),
     };
+    if (s->slots.count && textured_needs(v.material))
+        find_point(s, ray, hit, width, &v);
+    if (s->details.count)
+        path_shade(s, ray, hit, &v);
+    return v;
 }
 
 rgb path_beyond(const struct stage *s, vec3 dir, float pdf_w)
@@ -58,31 +78,66 @@ rgb path_emission(const struct stage *s, const struct path_vertex *v)
     return vec3_load(((const struct emitter *)stage_at(s, s->emitters))[v->at.emitter].radiance);
 }
 
-bool path_light_directly(const struct stage *s, const struct path *p, struct sobol_bits lamp,
+/* What of a chosen light goes on to wo, if nothing is in its way. */
+static rgb reflected(const struct stage *s, const struct path *p, const struct light_sample *light,
+                     vec3 wi)
+{
+    const struct path_vertex *v = &p->vertex;
+    rgb f = bsdf_eval(v->material, v->wo, wi);
+    if (rgb_is_black(f))
+        return f;
+    f *= light->value;
+    if (light->pdf_w != 0)
+        f *= mis_weight(light->pdf_w, bsdf_pdf_w(v->material, v->wo, wi));
+    if (p->media)
+        f *= path_media_passed(s, p, wi, &light->shadow);
+    return p->throughput * f;
+}
+
+/* The same light for the directions that only a raised point has: few, so they are traced at once.
+ */
+static void light_raised(const struct stage *s, struct path *p, struct sobol_bits lamp)
+{
+    const struct path_vertex *v = &p->vertex;
+    const struct surface from = path_shade_raised(v);
+    struct light_sample sample;
+    if (!light_sample(s, &from, lamp, &sample))
+        return;
+    const vec3 wi = warp_to_local(&v->frame, sample.wi);
+    if (!path_shade_is_raised(v, sample.wi, wi))
+        return;
+    const rgb light = reflected(s, p, &sample, wi);
+    if (rgb_is_black(light) || !path_shade_is_clear(s, v))
+        return;
+    if (!bvh_hit_any(s, &sample.shadow))
+        p->light += light;
+    else if (s->masked)
+        p->light += light * path_mask_share(s, sample.shadow);
+}
+
+bool path_light_directly(const struct stage *s, struct path *p, struct sobol_bits lamp,
                          struct ray *shadow, rgb *light)
 {
     const struct path_vertex *v = &p->vertex;
-    const struct material *m = v->material;
-    if (s->emitters.count == 0 || bsdf_is_delta(m))
+    if (s->emitters.count == 0 || bsdf_is_delta(v->material))
         return false;
+    if (v->raised.is)
+        light_raised(s, p, lamp);
     struct light_sample sample;
     if (!light_sample(s, &v->at, lamp, &sample))
         return false;
     const vec3 wi = warp_to_local(&v->frame, sample.wi);
-    rgb f = bsdf_eval(m, v->wo, wi);
-    if (rgb_is_black(f))
+    if (!(vec3_dot(sample.wi, v->at.ng) * wi[2] > 0)) /* the two normals disagree */
         return false;
-    f *= sample.value;
-    if (sample.pdf_w != 0)
-        f *= mis_weight(sample.pdf_w, bsdf_pdf_w(m, v->wo, wi));
+    *light = reflected(s, p, &sample, wi);
     *shadow = sample.shadow;
-    *light = p->throughput * f;
-    return true;
+    return !rgb_is_black(*light);
 }
 
-bool path_scatter(struct path *p, const struct path_draw *draw, struct ray *ray)
+bool path_scatter(const struct stage *s, struct path *p, const struct path_draw *draw,
+                  struct ray *ray)
 {
-    const struct path_vertex *v = &p->vertex;
+    struct path_vertex *v = &p->vertex;
     struct bsdf_sample next;
     if (!bsdf_sample(v->material, v->wo, draw->lobe, draw->direction, &next))
         return false;
@@ -92,7 +147,8 @@ bool path_scatter(struct path *p, const struct path_draw *draw, struct ray *ray)
     p->scale = draw->first ? rgb_max(p->throughput) : p->scale * next.scale;
     p->pdf_w = next.pdf_w;
     const vec3 dir = warp_to_world(&v->frame, next.wi);
-    if (!(vec3_dot(dir, v->at.ng) * next.wi[2] > 0)) /* rounding put it on the wrong side */
+    if (!(vec3_dot(dir, v->at.ng) * next.wi[2] > 0) && /* by rounding, or a shading normal */
+        !path_shade_move(s, v, dir, next.wi))
         return false;
     if (draw->may_end) { /* a channel weaker than the strongest only gains */
         const float q = survival(rgb_max(p->throughput) / p->scale);
@@ -102,6 +158,8 @@ bool path_scatter(struct path *p, const struct path_draw *draw, struct ray *ray)
             p->throughput /= q;
         }
     }
+    if (p->media)
+        path_media_leave(p, next.wi);
     *ray = surface_leave(&v->at, dir);
     return true;
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/trace/light8.h"
+#include "common/trace/medium.h"
 #include "common/trace/prep_plan.h"
 
 /* A panorama looks everywhere: its depth is the distance. */
@@ -13,6 +14,20 @@ static void set_view(struct stage_view *view, const struct scene_camera *c)
     vec3_store(view->position, xform_point(&c->to_world, vec3_make(0, 0, 0)));
     if (c->kind != CAMERA_PANORAMIC)
         vec3_store(view->direction, vec3_unit(xform_vector(&c->to_world, vec3_make(0, 0, -1))));
+}
+
+/* --- materials --- */
+
+/* What only some materials need, and costs every path of a scene that has them. */
+static void survey_materials(struct prep_plan *p)
+{
+    for (uint32_t i = 0; i < p->scene->material_count; i++) {
+        const enum material_kind kind = p->scene->materials[i].kind;
+        if (kind == MATERIAL_MIX || kind == MATERIAL_MASK || kind == MATERIAL_TWO_SIDED)
+            p->head.wrapped = 1;
+        if (kind == MATERIAL_MASK)
+            p->head.masked = 1;
+    }
 }
 
 /* --- the block --- */
@@ -68,6 +83,11 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->normals, NULL, sizeof(struct stage_normal)},
         {&head->uvs, NULL, sizeof(struct stage_uv)},
         {&head->colors, NULL, sizeof(struct stage_color)},
+        {&head->slots, p->scene->slots, sizeof *p->scene->slots},
+        {&head->textures, p->textures, sizeof *p->textures},
+        {&head->pyramids, p->pyramids, sizeof *p->pyramids},
+        {&head->bytes8, NULL, sizeof(struct stage_bytes)},
+        {&head->texels, NULL, 1},
         {&head->spots, p->spots, sizeof *p->spots},
     };
     uint64_t bytes = (sizeof *head + STAGE_ALIGN - 1) / STAGE_ALIGN * STAGE_ALIGN;
@@ -152,6 +172,13 @@ static void write_trees(const struct prep_plan *p, unsigned char *block, const s
     }
 }
 
+/* Of a stage that is whole but for this. */
+static void surround_camera(struct stage *s)
+{
+    if (s->media)
+        s->around = medium_around(s, vec3_load(s->view.position));
+}
+
 /* References to nodes and blocks have 28 bits. */
 static bool check_lines(const struct prep_plan *p, struct err *err)
 {
@@ -176,22 +203,27 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
     p.head.struct_bytes = sizeof p.head;
     p.head.film = scene->film;
     p.head.settings = scene->settings;
+    p.head.media = medium_uses(scene);
     prep_shapes(&p, crew);
     prep_lights(&p);
+    survey_materials(&p);
     prep_camera(&p.head.camera, scene);
     prep_filter(&p, scratch);
     set_view(&p.head.view, &scene->camera);
-    const bool fits = prep_detail_plan(&p, scratch, err) && check_lines(&p, err);
+    const bool fits = prep_detail_plan(&p, scratch, err) && prep_texture_plan(&p, scratch, err) &&
+                      check_lines(&p, err);
     if (fits) {
         unsigned char *block = lay_out(&p, arena);
         write_guide((const struct stage *)(const void *)block,
                     (uint32_t *)(void *)(block + p.head.guide.offset));
         write_trees(&p, block, crew);
         prep_detail_write(&p, block);
+        prep_texture_write(&p, block);
         place_emitters(&p, (struct emitter *)(void *)(block + p.head.emitters.offset), scratch);
         if (p.head.lamps.count)
             light8_lamps((const struct stage *)(const void *)block,
                          (struct stage_lamps *)(void *)(block + p.head.lamps.offset));
+        surround_camera((struct stage *)(void *)block);
         *stage = (const struct stage *)(const void *)block;
     }
     for (uint32_t i = 0; i < p.tree_count; i++)

@@ -41,6 +41,9 @@ struct prep_plan {
     struct stage_detail *details;
     struct prep_mesh *detail_meshes;
     uint32_t quad_uvs; /* as in struct prep_mesh */
+    struct stage_texture *textures;
+    struct stage_pyramid *pyramids;
+    struct prep_image *pyramid_images; /* what they are made of */
     struct stage_spot *spots;
 };
 
@@ -87,5 +90,12 @@ void prep_filter(struct prep_plan *, struct arena *scratch);
 /* The document's lights -> emitters behind those of shapes, and the table by which one is picked.
  * After prep_shapes: a distant light shines on what there is. */
 void prep_lights(struct prep_plan *);
+
+/* --- prep_texture.c --- */
+
+/* Once the camera is aimed: which textures are used, and where their pyramids will lie; then the
+ * pyramids. False: too much memory. */
+bool prep_texture_plan(struct prep_plan *, struct arena *scratch, struct err *) MUST_CHECK;
+void prep_texture_write(const struct prep_plan *, unsigned char *block);
 
 #endif

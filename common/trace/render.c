@@ -76,7 +76,7 @@ static void octet_begin(struct octet *o, uint32_t which)
         return;
     for (uint32_t i = 0; i < FILM_REPLICATES; i++)
         rays[i] = camera_rays_at(&o->stage->camera, &o->rays, i);
-    wave_begin(o->stage, which, rays, &o->starts);
+    wave_begin(o->stage, which, rays, o->rng.replicate, &o->starts);
     o->begun = which;
 }
 

@@ -11,6 +11,9 @@
  *
  *     0                     the pixel filter, a pair
  *     1 + 4 bounce + p      purpose p below, at each bounce; a pair or a single number
+ *     2^20 + 4 bounce       which material of those that make up one; a single number
+ *     2^31 + 2^16 bounce + n    whether the n-th mask that the ray meets after so many bounces
+ *                           stops it (from 2^16 masks on numbers are used again); a single number
  *     2^30                  the place on the lens, a pair: the elder's, like the filter's
  * SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_RNG_H
@@ -70,6 +73,16 @@ static inline struct rng rng_elder(const struct rng *r)
 static inline uint32_t rng_dimension(uint32_t bounce, enum rng_purpose purpose)
 {
     return 1 + bounce * RNG_PURPOSES + purpose;
+}
+
+static inline uint32_t rng_dimension_choice(uint32_t bounce)
+{
+    return (1u << 20) + bounce * RNG_PURPOSES; /* as far apart as the others: rng8_next_bounce */
+}
+
+static inline uint32_t rng_dimension_mask(uint32_t bounce, uint32_t crossing)
+{
+    return (1u << 31) + (bounce << 16) + (crossing & 0xffff);
 }
 
 /* The seeds of a dimension: the splitmix sequence that starts at the key (G. Steele, D. Lea,

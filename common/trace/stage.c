@@ -37,6 +37,11 @@ static const struct row rows[] = {
     ROW(normals, struct stage_normal),
     ROW(uvs, struct stage_uv),
     ROW(colors, struct stage_color),
+    ROW(slots, struct material_slot),
+    ROW(textures, struct stage_texture),
+    ROW(pyramids, struct stage_pyramid),
+    ROW(bytes8, struct stage_bytes),
+    ROW(texels, unsigned char),
     ROW(spots, struct stage_spot),
 };
 

@@ -111,6 +111,47 @@ struct stage_color {
     float rgb[3];
 };
 
+/* How the numbers of an image are kept. */
+enum stage_texels {
+    STAGE_TEXELS_SRGB8, /* a byte, encoded; alpha is not */
+    STAGE_TEXELS_U8,    /* a byte: value times 255 */
+    STAGE_TEXELS_U16,   /* value times 65535 */
+    STAGE_TEXELS_HALF,
+    STAGE_TEXELS_FLOAT,
+};
+
+static inline uint32_t stage_texel_bytes(enum stage_texels texels)
+{
+    return texels <= STAGE_TEXELS_U8 ? 1 : texels == STAGE_TEXELS_FLOAT ? 4 : 2;
+}
+
+enum { STAGE_LEVELS = 15 }; /* of an image of SCENE_MAX_IMAGE_SIDE_PX */
+
+/* An image in levels (texture.h), rows from the top, channels interleaved, nothing between rows. */
+struct stage_pyramid {
+    uint64_t level_at[STAGE_LEVELS]; /* bytes from the start of texels */
+    uint32_t width_px, height_px;    /* of level 0 */
+    uint32_t level_count;            /* the last one is 1 x 1 */
+    uint32_t channels;               /* as in struct image_asset */
+    enum stage_texels texels, coarse_texels; /* of level 0, of the others */
+};
+
+struct stage_bytes { /* what bytes decode to */
+    float plain[256], srgb[256];
+};
+
+/* As struct texture, but: */
+struct stage_texture {
+    enum texture_kind kind;
+    enum texture_wrap wrap;
+    enum texture_filter filter;
+    uint32_t pyramid; /* of an image; STAGE_NONE: nothing uses it */
+    float uv_scale[2], uv_offset[2];
+    float uv_area; /* |product| of uv_scale */
+    float pad[3];
+    rgb colors[2]; /* of a checker */
+};
+
 /* A hierarchy. The first is the world's, the others are of shared meshes. */
 struct stage_tree {
     uint32_t root;                   /* bvh.h */
@@ -193,6 +234,15 @@ struct stage_view { /* what depth is measured along */
     float direction[3]; /* unit; 0: none, depth is the distance */
 };
 
+/* Bodies around a point: materials, in the order in which they were entered (medium.h). */
+enum { STAGE_BODIES = 8 };
+
+struct stage_bodies {
+    uint32_t count;
+    uint32_t missed; /* entered when there was no room for them */
+    uint32_t material[STAGE_BODIES];
+};
+
 struct stage {
     char magic[8];         /* STAGE_MAGIC */
     uint32_t version;      /* STAGE_VERSION */
@@ -211,8 +261,13 @@ struct stage {
     uint32_t bvh_depth;
 
     uint32_t prim_count;
+    uint32_t wrapped, masked; /* 1: there are materials made of others; among them masks */
     uint32_t guide_shift;
     uint32_t far_begin, beyond_begin; /* among the emitters: see there */
+
+    uint32_t media;             /* what the scene uses of medium.h */
+    struct stage_bodies around; /* the camera, when media is not 0 */
+    float cone_width, cone_spread; /* of camera rays (cone.h), when there are pyramids */
 
     /* Only spans from here to the end: stage_check knows them by their place. */
     struct stage_span shapes; /* struct stage_shape, and one more, whose prim_begin is prim_count */
@@ -235,6 +290,11 @@ struct stage {
     struct stage_span normals;   /* struct stage_normal */
     struct stage_span uvs;       /* struct stage_uv */
     struct stage_span colors;    /* struct stage_color */
+    struct stage_span slots;     /* struct material_slot */
+    struct stage_span textures;  /* struct stage_texture */
+    struct stage_span pyramids;  /* struct stage_pyramid */
+    struct stage_span bytes8;    /* struct stage_bytes, one if anything is kept in bytes */
+    struct stage_span texels;    /* bytes, of all pyramids */
     struct stage_span spots;     /* struct stage_spot */
 };
 

@@ -1,9 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 #include "common/trace/wave.h"
 
+#include <string.h>
+
 #include "common/trace/bsdf.h"
 #include "common/trace/bvh.h"
 #include "common/trace/light8.h"
+#include "common/trace/material.h"
+#include "common/trace/path_mask.h"
+#include "common/trace/textured.h"
 
 static inline uint32_t lowest(uint32_t lanes)
 {
@@ -57,19 +62,45 @@ static rgb light_of(const struct wave *w, uint32_t i)
 
 /* --- the first vertices --- */
 
-void wave_begin(const struct stage *s, uint32_t which, const struct ray rays[],
-                struct wave_starts *starts)
+/* Past masks: siblings share the ray, so they share its numbers. */
+static uint32_t begin_behind(const struct stage *s, const struct rng rngs[], uint32_t found,
+                             struct ray rays[], struct ray_hit hits[])
 {
+    struct rng elders[WAVE_LANES];
+    for (uint32_t left = found; left; left &= left - 1)
+        elders[lowest(left)] = rng_elder(&rngs[lowest(left)]);
+    return path_mask_pass(s, elders, u32x8_splat(0), found, rays, hits);
+}
+
+void wave_begin(const struct stage *s, uint32_t which, const struct ray rays[],
+                const struct rng rngs[], struct wave_starts *starts)
+{
+    const struct ray *asked = rays;
+    struct ray passed[WAVE_LANES];
     struct ray_hit hits[WAVE_LANES];
-    const uint32_t found = bvh_hit_closest_8(s, which, rays, hits);
+    uint32_t found = bvh_hit_closest_8(s, which, rays, hits);
+    if (s->masked && found) {
+        memcpy(passed, rays, (32 - (size_t)__builtin_clz(which)) * sizeof *rays);
+        found = begin_behind(s, rngs, found, passed, hits);
+        rays = passed;
+    }
     starts->met = found;
     starts->ends = s->settings.max_bounces == 0 ? which : which & ~found;
-    starts->plain = path8_arrive(s, found, rays, hits, &starts->lanes);
+    starts->plain = s->media ? 0 : path8_arrive(s, found, rays, hits, &starts->lanes);
+    for (uint32_t i = 0; i < WAVE_LANES; i++)
+        starts->cones[i] = (struct cone){s->cone_width, s->cone_spread};
+    for (uint32_t left = s->pyramids.count ? found : 0; left; left &= left - 1)
+        starts->cones[lowest(left)].width += s->cone_spread * hits[lowest(left)].t;
     for (uint32_t left = which; left; left &= left - 1) {
         const uint32_t i = lowest(left), bit = 1u << i;
+        if (s->media) {
+            starts->origins[i] = asked[i].origin;
+            starts->rays[i] = rays[i];
+            starts->hits[i] = hits[i];
+        }
         starts->light[i] = found & bit ? rgb_gray(0) : path_beyond(s, rays[i].dir, 0);
         if (found & bit & ~starts->plain)
-            starts->vertices[i] = path_vertex_make(s, &rays[i], &hits[i]);
+            starts->vertices[i] = path_vertex_make(s, &rays[i], &hits[i], starts->cones[i].width);
         if (found & bit & ~(starts->plain & ~starts->lanes.shining)) {
             const struct path_vertex v = wave_first(s, starts, i);
             starts->light[i] = path_emission(s, &v);
@@ -83,6 +114,30 @@ struct path_vertex wave_first(const struct stage *s, const struct wave_starts *s
 }
 
 /* --- from vertices to rays --- */
+
+/* The vertices' materials, where some are made of others; these are never plain. (What a path in a
+ * body sees as an interface is made of nothing else.) */
+static void choose_materials(struct wave *w)
+{
+    const struct material *materials = stage_at(w->stage, w->stage->materials);
+    const f32x8 number = rng8_single(&w->rng, rng_dimension_choice(0));
+    for (uint32_t left = w->going & ~w->plain; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        struct path_vertex *v = &w->paths[i].vertex;
+        if (v->material == &materials[v->at.material])
+            v->material = material_at(w->stage, v->at.material, v->wo[2] < 0, number[i]);
+    }
+}
+
+/* The materials of the vertices that have textures, filled. */
+static void apply_textures(struct wave *w)
+{
+    for (uint32_t left = w->going & ~w->plain; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        struct path_vertex *v = &w->paths[i].vertex;
+        v->material = textured_material(w->stage, v->material, &v->point, &w->textured[i]);
+    }
+}
 
 static void draw(struct wave *w)
 {
@@ -136,6 +191,24 @@ static void add_to_lanes(struct wave *w, uint32_t lanes, struct vec8 light)
         vec8_choose(i32x8_of_bits(lanes), vec8_add(w->lanes.light, light), w->lanes.light);
 }
 
+static void add_to_path(struct wave *w, uint32_t i, rgb light)
+{
+    if (w->plain >> i & 1)
+        vec8_set_lane(&w->lanes.light, i, light_of(w, i) + light);
+    else
+        w->paths[i].light += light;
+}
+
+/* What comes along shadow rays that have met something. */
+static void add_through_masks(struct wave *w, const struct direct *d, uint32_t dark)
+{
+    for (; dark; dark &= dark - 1) {
+        const uint32_t i = lowest(dark);
+        const rgb all = d->lanes >> i & 1 ? vec8_lane(&d->of_lanes, i) : d->of_others[i];
+        add_to_path(w, i, all * path_mask_share(w->stage, w->shadows[i]));
+    }
+}
+
 static void add_direct(struct wave *w, const struct direct *d)
 {
     const uint32_t seen = ~bvh_hit_any_8(w->stage, d->lanes | d->others, w->shadows);
@@ -143,11 +216,10 @@ static void add_direct(struct wave *w, const struct direct *d)
         add_to_lanes(w, d->lanes & seen, d->of_lanes);
     for (uint32_t left = d->others & seen; left; left &= left - 1) {
         const uint32_t i = lowest(left);
-        if (w->plain >> i & 1)
-            vec8_set_lane(&w->lanes.light, i, light_of(w, i) + d->of_others[i]);
-        else
-            w->paths[i].light += d->of_others[i];
+        add_to_path(w, i, d->of_others[i]);
     }
+    if (w->stage->masked)
+        add_through_masks(w, d, (d->lanes | d->others) & ~seen);
 }
 
 /* Bit i: path i goes on along rays[i]. */
@@ -165,7 +237,7 @@ static uint32_t scatter(struct wave *w)
             .first = w->draw.first[i] != 0,
             .may_end = w->draw.may_end[i] != 0,
         };
-        next |= (uint32_t)path_scatter(&w->paths[i], &one, &w->rays[i]) << i;
+        next |= (uint32_t)path_scatter(w->stage, &w->paths[i], &one, &w->rays[i]) << i;
     }
     return next;
 }
@@ -202,17 +274,55 @@ static void find_emission(struct wave *w, uint32_t i, vec3 from)
     enter_lanes(w, i);
 }
 
+static uint32_t not_cut(const struct wave *w)
+{
+    return i32x8_mask(w->bounce + 1 < w->stage->settings.max_bounces);
+}
+
+/* There no vertex is plain. */
+static void arrive_in_media(struct wave *w, uint32_t which, uint32_t found,
+                            const struct ray_hit hits[])
+{
+    w->going = 0;
+    for (; which; which &= which - 1) {
+        const uint32_t i = lowest(which);
+        const struct ray_hit *hit = found >> i & 1 ? &hits[i] : NULL;
+        w->going |=
+            (uint32_t)path_media_arrive(w->stage, &w->paths[i], &w->rays[i], hit, w->cones[i].width)
+            << i;
+    }
+    w->going &= not_cut(w);
+}
+
+/* Along the rays, to what they have met. */
+static void follow_cones(struct wave *w, uint32_t which, const struct ray_hit hits[])
+{
+    for (; which; which &= which - 1) {
+        const uint32_t i = lowest(which);
+        const float pdf_w = w->plain >> i & 1 ? w->lanes.pdf_w[i] : w->paths[i].pdf_w;
+        w->cones[i] = cone_along(cone_scatter(w->cones[i], pdf_w), hits[i].t);
+    }
+}
+
 static void arrive(struct wave *w, uint32_t which)
 {
     const struct stage *s = w->stage;
     const struct vec8 from = w->lanes.vertex.at.p;
     struct ray_hit hits[WAVE_LANES];
-    const uint32_t found = bvh_hit_closest_8(s, which, w->rays, hits);
+    uint32_t found = bvh_hit_closest_8(s, which, w->rays, hits);
+    if (s->masked)
+        found = path_mask_pass(s, w->rngs, w->bounce + 1, found, w->rays, hits);
+    if (s->pyramids.count)
+        follow_cones(w, found, hits);
+    if (s->media) {
+        arrive_in_media(w, which, found, hits);
+        return;
+    }
     leave_scene(w, which & ~found);
     const uint32_t plain = path8_arrive(s, found, w->rays, hits, &w->lanes.vertex);
     for (uint32_t left = found & ~plain; left; left &= left - 1) {
         const uint32_t i = lowest(left);
-        const struct path_vertex v = path_vertex_make(s, &w->rays[i], &hits[i]);
+        const struct path_vertex v = path_vertex_make(s, &w->rays[i], &hits[i], w->cones[i].width);
         if (w->plain >> i & 1) {
             leave_lanes(w, i);
             w->paths[i].vertex.at.p = vec8_lane(&from, i);
@@ -226,7 +336,7 @@ static void arrive(struct wave *w, uint32_t which)
         const uint32_t i = lowest(left);
         find_emission(w, i, came >> i & 1 ? w->paths[i].vertex.at.p : vec8_lane(&from, i));
     }
-    w->going = found & i32x8_mask(w->bounce + 1 < s->settings.max_bounces);
+    w->going = found & not_cut(w);
 }
 
 /* --- the way of a path --- */
@@ -244,6 +354,10 @@ static void step(struct wave *w)
 {
     const uint32_t before = w->going;
     struct direct direct;
+    if (w->stage->wrapped)
+        choose_materials(w);
+    if (w->stage->slots.count)
+        apply_textures(w);
     draw(w);
     look_at_lights(w, &direct);
     const uint32_t next = scatter(w);
@@ -289,6 +403,7 @@ static void begin_paths(struct wave *w, uint32_t lanes, const struct wave_starts
             w->plain |= 1u << i;
             continue;
         }
+        w->paths[i].media = NULL;
         w->paths[i].light = starts->light[start];
         w->paths[i].throughput = rgb_gray(1);
         w->paths[i].vertex = starts->vertices[start];
@@ -303,9 +418,54 @@ static void end_paths(struct wave *w, uint32_t which, const struct wave_starts *
         w->radiance[number + lowest(which)] = starts->light[lowest(which)];
 }
 
+/* In a scene with media the light of the camera ray itself is the path's. False: it ends with it.
+ */
+static bool begin_in_media(struct wave *w, uint32_t i, const struct wave_starts *starts, uint32_t k,
+                           uint32_t number)
+{
+    struct path *p = &w->paths[i];
+    p->media = &w->media[i];
+    p->light = rgb_gray(0);
+    p->throughput = rgb_gray(1);
+    p->vertex.at.p = starts->origins[k];
+    const struct ray_hit *hit = starts->met >> k & 1 ? &starts->hits[k] : NULL;
+    const bool goes_on =
+        path_media_begin(w->stage, p, &starts->rays[k], hit, starts->cones[k].width) &&
+        w->stage->settings.max_bounces > 0;
+    w->going |= (uint32_t)goes_on << i;
+    w->plain &= ~(1u << i);
+    if (w->terms)
+        note_terms(w->terms, 0, !goes_on, number, p->light);
+    if (!goes_on)
+        w->radiance[number] = p->light;
+    return goes_on;
+}
+
+static void put_in_media(struct wave *w, uint32_t which, const struct wave_starts *starts,
+                         const struct rng rngs[], uint32_t number)
+{
+    for (; which; which &= which - 1) {
+        const uint32_t k = lowest(which);
+        while (w->going == (1u << WAVE_LANES) - 1)
+            step(w);
+        const uint32_t i = lowest(~w->going);
+        if (!begin_in_media(w, i, starts, k, number + k))
+            continue;
+        w->number[i] = number + k;
+        w->bounce[i] = 0;
+        w->cones[i] = starts->cones[k];
+        rng8_set_lane(&w->rng, i, &rngs[k]);
+        w->rngs[i] = rngs[k];
+    }
+}
+
 void wave_put(struct wave *w, uint32_t which, const struct wave_starts *starts,
               const struct rng rngs[], uint32_t number)
 {
+    if (w->stage->media) {
+        put_in_media(w, which, starts, rngs, number);
+        return;
+    }
     for (uint32_t left = w->terms ? which : 0; left; left &= left - 1) {
         const uint32_t i = lowest(left);
         note_terms(w->terms, 0, starts->ends >> i & 1, number + i, starts->light[i]);
@@ -324,7 +484,9 @@ void wave_put(struct wave *w, uint32_t which, const struct wave_starts *starts,
             taken |= 1u << i;
             k[i] = start;
             w->number[i] = number + start;
+            w->cones[i] = starts->cones[start];
             rng8_set_lane(&w->rng, i, &rngs[start]);
+            w->rngs[i] = rngs[start];
         }
         begin_paths(w, taken, starts, k);
     }

@@ -13,8 +13,10 @@
 #define COMMON_TRACE_WAVE_H
 
 #include "common/layers.h"
+#include "common/trace/cone.h"
 #include "common/trace/path.h"
 #include "common/trace/path8.h"
+#include "common/trace/path_media.h"
 #include "common/trace/rng.h"
 
 enum { WAVE_LANES = 8 };
@@ -27,6 +29,11 @@ struct wave_starts {
     rgb light[WAVE_LANES]; /* of the sky, or of the vertex itself */
     struct path8_vertex lanes;
     struct path_vertex vertices[WAVE_LANES]; /* those that are not plain */
+    /* In a scene with media alone: what each path starts with anew. */
+    vec3 origins[WAVE_LANES];    /* of the camera rays */
+    struct ray rays[WAVE_LANES]; /* behind what masks let them through */
+    struct ray_hit hits[WAVE_LANES];
+    struct cone cones[WAVE_LANES]; /* of the rays where they have arrived; see cone.h */
 };
 
 /* light[k][n]: of the light that path n finds, what was scattered at most k times. */
@@ -46,9 +53,13 @@ struct wave {
     uint32_t plain; /* where the path is: in lanes, or in paths */
     struct path8 lanes;
     struct path paths[WAVE_LANES];
-    uint32_t number[WAVE_LANES]; /* the path's */
+    struct path_media media[WAVE_LANES];  /* of paths in a scene with media */
+    uint32_t number[WAVE_LANES];          /* the path's */
+    struct cone cones[WAVE_LANES];        /* of the rays that have led to the vertices */
+    struct material textured[WAVE_LANES]; /* the vertices' materials, of those with textures */
     u32x8 bounce;
-    struct rng8 rng;
+    struct rng8 rng;             /* at the bounce where the lane is */
+    struct rng rngs[WAVE_LANES]; /* the same, at the first bounce */
 
     /* A bounce's random numbers: made for all at once, which costs less than for two of them alone.
      */
@@ -59,11 +70,12 @@ struct wave {
     struct ray rays[WAVE_LANES], shadows[WAVE_LANES];
 };
 
-/* The rays whose bit is set in `which`; their directions are unit. */
+/* The rays whose bit is set in `which`; their directions are unit. rngs: of the paths that start
+ * there, of either of two siblings. */
 void wave_begin(const struct stage *, uint32_t which, const struct ray rays[],
-                struct wave_starts *);
+                const struct rng rngs[], struct wave_starts *);
 
-/* Of a ray that met a surface. */
+/* Of a ray that met a surface; its material as it lies in the stage. */
 struct path_vertex wave_first(const struct stage *, const struct wave_starts *, uint32_t i);
 
 /* radiance[n]: one unbiased estimate of what arrives along the ray of path n, cut at

@@ -1,0 +1,26 @@
+/* material.h - which material a ray finds at a point: through those that are made of others.
+ *
+ *     mix         one of two, by chance
+ *     mask        another one, or nothing: the ray goes straight on
+ *     two sided   one in front, one behind
+ *
+ * One number decides at each vertex, and what it chose is the vertex's material for everything that
+ * is asked of it: sampling, densities and light straight from lamps. So an image is right on
+ * average without any mixture being evaluated. That a ray goes on through a mask is decided before
+ * (path_mask.h): material_at is what there is if it does not.
+ *
+ * Only for stages that say `wrapped`: else a point's material is what its shape names.
+ * SPDX-License-Identifier: MIT */
+#ifndef COMMON_TRACE_MATERIAL_H
+#define COMMON_TRACE_MATERIAL_H
+
+#include "common/trace/stage.h"
+
+/* Of the rays that meet the material from its back, or its front, the share that it stops. */
+float material_opacity(const struct stage *, uint32_t material, bool back);
+
+/* number: in [0, 1). */
+const struct material *material_at(const struct stage *, uint32_t material, bool back,
+                                   float number);
+
+#endif

@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: MIT */
+#include "common/trace/path_mask.h"
+
+#include "common/trace/bvh.h"
+#include "common/trace/material.h"
+#include "common/trace/surface.h"
+
+/* The rest of a ray behind a surface that it has met. A segment ends where it did. */
+static struct ray beyond(const struct ray *ray, const struct surface *at)
+{
+    struct ray rest = surface_leave(at, ray->dir);
+    rest.to = ray->to;
+    if (ray->t_max <= 1) {
+        rest.dir = ray->origin + ray->dir - rest.origin;
+        rest.t_max = ray->t_max;
+    }
+    return rest;
+}
+
+static float opacity(const struct stage *s, const struct ray *ray, const struct surface *at)
+{
+    return material_opacity(s, at->material, vec3_dot(ray->dir, at->ng) > 0);
+}
+
+static bool is_stopped(const struct stage *s, const struct rng *rng, uint32_t bounce,
+                       struct ray *ray, struct ray_hit *hit)
+{
+    for (uint32_t crossing = 0;; crossing++) {
+        const struct surface at = surface_at(s, ray, hit);
+        const float stops = opacity(s, ray, &at);
+        if (stops >= 1 || rng_single(rng, rng_dimension_mask(bounce, crossing)) < stops)
+            return true;
+        *ray = beyond(ray, &at);
+        if (!bvh_hit_closest(s, ray, hit))
+            return false;
+    }
+}
+
+uint32_t path_mask_pass(const struct stage *s, const struct rng rngs[], u32x8 bounce,
+                        uint32_t found, struct ray rays[], struct ray_hit hits[])
+{
+    uint32_t stopped = 0;
+    for (; found; found &= found - 1) {
+        const uint32_t i = (uint32_t)__builtin_ctz(found);
+        if (is_stopped(s, &rngs[i], bounce[i], &rays[i], &hits[i]))
+            stopped |= 1u << i;
+    }
+    return stopped;
+}
+
+float path_mask_share(const struct stage *s, struct ray shadow)
+{
+    float share = 1;
+    struct ray_hit hit;
+    while (bvh_hit_closest(s, &shadow, &hit)) {
+        const struct surface at = surface_at(s, &shadow, &hit);
+        share *= 1 - opacity(s, &shadow, &at);
+        if (!(share > 0))
+            return 0;
+        shadow = beyond(&shadow, &at);
+    }
+    return share;
+}

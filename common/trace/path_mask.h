@@ -1,0 +1,21 @@
+/* path_mask.h - rays in scenes with masks: past what lets them through.
+ *
+ * A ray that is followed goes on by chance, straight and without having been scattered; a shadow
+ * ray is weakened by what it passes, which needs no chance. Only for stages that say `masked`.
+ * SPDX-License-Identifier: MIT */
+#ifndef COMMON_TRACE_PATH_MASK_H
+#define COMMON_TRACE_PATH_MASK_H
+
+#include "common/trace/ray.h"
+#include "common/trace/rng.h"
+
+/* Rays of paths, ray i with the numbers of path i, after bounce[i] scattering events. found: bit i
+ * of those that have a hit, hits[i] the closest; returns the same for those that are stopped,
+ * hits[i] then the first that does it, and rays[i] as it was traced last. */
+uint32_t path_mask_pass(const struct stage *, const struct rng rngs[], u32x8 bounce,
+                        uint32_t found, struct ray rays[], struct ray_hit hits[]);
+
+/* The share of light that passes along a shadow ray. */
+float path_mask_share(const struct stage *, struct ray shadow);
+
+#endif
