@@ -37,6 +37,7 @@ static const char *const material_names[] = {
     [MATERIAL_MIX] = "mix",
     [MATERIAL_MASK] = "mask",
     [MATERIAL_TWO_SIDED] = "two_sided",
+    [MATERIAL_PANE] = "thin_dielectric",
 };
 _Static_assert(countof(material_names) == MATERIAL_METAL, "kinds that have no name come last");
 
@@ -86,6 +87,9 @@ static void read_material(const struct scene_params *p, struct material *m)
         return;
     case MATERIAL_TWO_SIDED:
         scene_wrap_two_sided(p, m);
+        return;
+    case MATERIAL_PANE:
+        scene_specular_pane(p, m);
         return;
     case MATERIAL_METAL:
         break;

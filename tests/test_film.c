@@ -94,8 +94,8 @@ static void error_estimate_is_true_for_independent_samples(uint32_t spp)
     film_release(&f);
 }
 
-/* F-19: a float sum of 1e8 samples of one half would give .084; of values that are no multiples of a
- * power of 2 a float film would lose a part with every pass. */
+/* F-19: a float sum of 1e8 samples of one half would give .084; of values that are no multiples of
+ * a power of 2 a float film would lose a part with every pass. */
 static void long_sums_keep_their_mean(double value)
 {
     struct film f;
@@ -107,8 +107,8 @@ static void long_sums_keep_their_mean(double value)
     for (uint32_t p = 0; p < passes; p++) {
         s.pass = tile_pass_of(p, spp);
         for (uint32_t k = 0; k < FILM_CHANNELS; k++) {
-            const uint32_t n = film_replicate_spp(s.pass.s_end, k / 3) -
-                               film_replicate_spp(s.pass.s_begin, k / 3);
+            const uint32_t n =
+                film_replicate_spp(s.pass.s_end, k / 3) - film_replicate_spp(s.pass.s_begin, k / 3);
             s.sums[k] = (float)(value * n);
         }
         film_merge(&f, &s);

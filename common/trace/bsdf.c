@@ -9,6 +9,7 @@
 #include "common/trace/bsdf_cloth.h"
 #include "common/trace/bsdf_retro.h"
 #include "common/trace/bsdf_metal.h"
+#include "common/trace/bsdf_pane.h"
 #include "common/trace/fresnel.h"
 #include "common/trace/local.h"
 #include "common/trace/warp.h"
@@ -110,6 +111,7 @@ rgb bsdf_eval(const struct material *m, vec3 wo, vec3 wi)
     case MATERIAL_MIX:
     case MATERIAL_MASK:
     case MATERIAL_TWO_SIDED:
+    case MATERIAL_PANE:
         break;
     }
     return black;
@@ -155,6 +157,7 @@ float bsdf_pdf_w(const struct material *m, vec3 wo, vec3 wi)
     case MATERIAL_MIX:
     case MATERIAL_MASK:
     case MATERIAL_TWO_SIDED:
+    case MATERIAL_PANE:
         break;
     }
     return 0;
@@ -187,6 +190,7 @@ static bool opaque_sample(const struct material *m, vec3 wo, float lobe, struct 
     case MATERIAL_MIX:
     case MATERIAL_MASK:
     case MATERIAL_TWO_SIDED:
+    case MATERIAL_PANE:
         break;
     }
     return false;
@@ -207,6 +211,8 @@ bool bsdf_sample(const struct material *m, vec3 wo, float lobe, struct square di
         return bsdf_leaf_sample(m, wo, lobe, direction, s);
     if (is_clear(m))
         return bsdf_principled_sample(m, wo, lobe, direction, s);
+    if (m->kind == MATERIAL_PANE)
+        return bsdf_pane_sample(m, wo, lobe, s);
     if (wo[2] > 0)
         return opaque_sample(m, wo, lobe, direction, s);
     if (!opaque_sample(m, local_flip(wo), lobe, direction, s))

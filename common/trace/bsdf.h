@@ -38,6 +38,7 @@ static inline bool bsdf_is_delta(const struct material *m)
     case MATERIAL_DIFFUSE:
         return false;
     case MATERIAL_MIRROR:
+    case MATERIAL_PANE:
         return true;
     case MATERIAL_DIELECTRIC: /* refraction turns light by less than (ior - 1) alpha */
         return m->dielectric.alpha < BSDF_LEAST_ALPHA ||
@@ -70,12 +71,39 @@ static inline bool bsdf_is_matte(const struct material *m)
     return matte >> m->kind & 1;
 }
 
+/* Whether light surely stays on the side from which it came. */
+static inline bool bsdf_is_opaque(const struct material *m)
+{
+    switch (m->kind) {
+    case MATERIAL_DIFFUSE:
+    case MATERIAL_ROUGH_DIFFUSE:
+    case MATERIAL_MIRROR:
+    case MATERIAL_CONDUCTOR:
+    case MATERIAL_METAL:
+    case MATERIAL_RETROREFLECTOR:
+    case MATERIAL_PLASTIC:
+    case MATERIAL_CLOTH:
+        return true;
+    case MATERIAL_PRINCIPLED:
+        return m->principled.transmission == 0;
+    case MATERIAL_DIELECTRIC:
+    case MATERIAL_LEAF:
+    case MATERIAL_PANE:
+    case MATERIAL_MIX: /* of anything */
+    case MATERIAL_MASK:
+    case MATERIAL_TWO_SIDED:
+        return false;
+    }
+    __builtin_unreachable();
+}
+
 /* Whether sampling chooses among kinds of scattering: else bsdf_sample does not look at `lobe`. */
 static inline bool bsdf_has_lobes(const struct material *m)
 {
     const uint32_t lobed = 1u << MATERIAL_DIELECTRIC | 1u << MATERIAL_ROUGH_DIFFUSE |
                            1u << MATERIAL_LEAF | 1u << MATERIAL_PLASTIC |
-                           1u << MATERIAL_PRINCIPLED | 1u << MATERIAL_CLOTH | 1u << MATERIAL_METAL;
+                           1u << MATERIAL_PRINCIPLED | 1u << MATERIAL_CLOTH | 1u << MATERIAL_PANE |
+                           1u << MATERIAL_METAL;
     return lobed >> m->kind & 1;
 }
 

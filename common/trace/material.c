@@ -29,6 +29,7 @@ float material_opacity(const struct stage *s, uint32_t material, bool back)
     case MATERIAL_PLASTIC:
     case MATERIAL_PRINCIPLED:
     case MATERIAL_CLOTH:
+    case MATERIAL_PANE:
     case MATERIAL_METAL:
         break;
     }

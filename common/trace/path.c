@@ -18,6 +18,23 @@ static float mis_weight(float a, float b)
     return 1 / (1 + r * r);
 }
 
+/* How many times a technique's density counts in the other's weight. Weights add up to 1 whatever
+ * that is, so each strategy is unbiased; where both techniques find a light, one of them has all
+ * the weight, exactly 1 (and the other 0, unless its density is 2^36 times as large), and what only
+ * one finds it still finds. */
+struct trust {
+    float light, bsdf; /* each 1 over the other */
+};
+
+static const struct trust trusts[] = {[STRATEGY_MIS] = {1, 1},
+                                      [STRATEGY_LIGHT] = {0x1p+100f, 0x1p-100f},
+                                      [STRATEGY_BSDF] = {0x1p-100f, 0x1p+100f}};
+
+static const struct trust *trust_of(const struct stage *s)
+{
+    return &trusts[s->settings.strategy];
+}
+
 /* Russian roulette: the chance to go on. `share` is the path's throughput, relative to what its
  * first scattering left of it: what all paths of the pixel have lost alike makes none of them less
  * important. (And relative to what refraction alone has put into it, which leaving the glass takes
@@ -30,6 +47,13 @@ static float survival(float share)
 {
     const float q = 2 * share;
     return q < 1 ? q : 1;
+}
+
+float path_lit(const struct stage *s, const struct material *m, float up)
+{
+    if (!s->light_nodes.count || !bsdf_is_opaque(m))
+        return 0;
+    return up < 0 ? -1 : 1;
 }
 
 /* Where textures are looked at for a vertex. */
@@ -53,6 +77,7 @@ struct path_vertex path_vertex_make(const struct stage *s, const struct ray *ray
         .material = (const struct material *)stage_at(s, s->materials) + at.material,
         .wo = warp_to_local(&frame, -ray->dir),
     };
+    v.at.lit = path_lit(s, v.material, -vec3_dot(ray->dir, at.ng));
     if (s->slots.count && textured_needs(v.material))
         find_point(s, ray, hit, width, &v);
     if (s->details.count)
@@ -64,9 +89,10 @@ rgb path_beyond(const struct stage *s, vec3 dir, float pdf_w)
 {
     rgb light = s->sky;
     for (uint32_t e = s->beyond_begin; e < s->emitters.count; e++) {
-        const rgb found = light_beyond(s, e, dir);
+        float sampled;
+        const rgb found = light_beyond(s, e, dir, &sampled);
         if (!rgb_is_black(found))
-            light += found * (pdf_w == 0 ? 1 : mis_weight(pdf_w, light_beyond_pdf_w(s, e, dir)));
+            light += found * (pdf_w == 0 ? 1 : mis_weight(pdf_w, sampled * trust_of(s)->light));
     }
     return light;
 }
@@ -88,7 +114,7 @@ static rgb reflected(const struct stage *s, const struct path *p, const struct l
         return f;
     f *= light->value;
     if (light->pdf_w != 0)
-        f *= mis_weight(light->pdf_w, bsdf_pdf_w(v->material, v->wo, wi));
+        f *= mis_weight(light->pdf_w, bsdf_pdf_w(v->material, v->wo, wi) * trust_of(s)->bsdf);
     if (p->media)
         f *= path_media_passed(s, p, wi, &light->shadow);
     return p->throughput * f;
@@ -115,23 +141,24 @@ static void light_raised(const struct stage *s, struct path *p, struct sobol_bit
         p->light += light * path_mask_share(s, sample.shadow);
 }
 
-bool path_light_directly(const struct stage *s, struct path *p, struct sobol_bits lamp,
+bool path_light_directly(const struct stage *s, struct path *p, const struct path_lamp *lamp,
                          struct ray *shadow, rgb *light)
 {
     const struct path_vertex *v = &p->vertex;
     if (s->emitters.count == 0 || bsdf_is_delta(v->material))
         return false;
     if (v->raised.is)
-        light_raised(s, p, lamp);
+        light_raised(s, p, lamp->bits);
     struct light_sample sample;
-    if (!light_sample(s, &v->at, lamp, &sample))
+    if (!(lamp->pick ? light_sample_picked(s, &v->at, *lamp->pick, lamp->bits.v, &sample)
+                     : light_sample(s, &v->at, lamp->bits, &sample)))
         return false;
     const vec3 wi = warp_to_local(&v->frame, sample.wi);
     if (!(vec3_dot(sample.wi, v->at.ng) * wi[2] > 0)) /* the two normals disagree */
         return false;
     *light = reflected(s, p, &sample, wi);
     *shadow = sample.shadow;
-    return !rgb_is_black(*light);
+    return !rgb_is_black(*light); /* the strategy may give it no weight */
 }
 
 bool path_scatter(const struct stage *s, struct path *p, const struct path_draw *draw,
@@ -166,13 +193,15 @@ bool path_scatter(const struct stage *s, struct path *p, const struct path_draw 
 
 void path_arrive(const struct stage *s, struct path *p, const struct path_vertex *v)
 {
-    const vec3 from = p->vertex.at.p;
+    const struct surface from = p->vertex.at;
     p->vertex = *v;
 
     /* Emission found by the BSDF's sampling; a delta lobe's by nothing else */
     const rgb found = path_emission(s, v);
     if (rgb_is_black(found))
         return;
-    const float weight = p->pdf_w == 0 ? 1 : mis_weight(p->pdf_w, light_pdf_w(s, from, &v->at));
+    const float weight =
+        p->pdf_w == 0 ? 1
+                      : mis_weight(p->pdf_w, light_pdf_w(s, &from, &v->at) * trust_of(s)->light);
     p->light += p->throughput * found * weight;
 }

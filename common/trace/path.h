@@ -10,6 +10,7 @@
 #ifndef COMMON_TRACE_PATH_H
 #define COMMON_TRACE_PATH_H
 
+#include "common/trace/light.h"
 #include "common/trace/ray.h"
 #include "common/trace/sobol.h"
 #include "common/trace/stage.h"
@@ -53,6 +54,10 @@ struct path_draw { /* the random numbers of a scattering */
     bool may_end; /* by chance */
 };
 
+/* What a vertex's surface.lit is, as far as anybody asks: the tree of lights. up: of the way out,
+ * over the geometric surface. */
+float path_lit(const struct stage *, const struct material *, float up);
+
 /* width: of the ray's cone at the hit, in m (cone.h). */
 struct path_vertex path_vertex_make(const struct stage *, const struct ray *,
                                     const struct ray_hit *, float width);
@@ -64,9 +69,14 @@ rgb path_beyond(const struct stage *, vec3 dir, float pdf_w);
 /* What the vertex emits to where the ray came from. */
 rgb path_emission(const struct stage *, const struct path_vertex *);
 
+struct path_lamp { /* the random numbers of a look at a light */
+    struct sobol_bits bits;
+    const struct light_pick *pick; /* what bits.u has picked; NULL: that is still to be done */
+};
+
 /* Light that may reach the vertex from one chosen emitter and goes on to wo, MIS-weighted. True:
  * *light comes if *shadow hits nothing. */
-bool path_light_directly(const struct stage *, struct path *, struct sobol_bits lamp,
+bool path_light_directly(const struct stage *, struct path *, const struct path_lamp *,
                          struct ray *shadow, rgb *light);
 
 /* The next ray; false: there is none. */

@@ -71,6 +71,7 @@ struct surface path_shade_raised(const struct path_vertex *v)
     from.p = v->raised.p;
     from.p_error = vec3_make(0, 0, 0);
     from.prim = STAGE_NONE;
+    from.lit = 0; /* from both sides: that is what it is raised for */
     return from;
 }
 

@@ -43,6 +43,13 @@ static const struct row rows[] = {
     ROW(bytes8, struct stage_bytes),
     ROW(texels, unsigned char),
     ROW(spots, struct stage_spot),
+    ROW(light_nodes, struct stage_light_node),
+    ROW(light_slots, uint32_t),
+    ROW(light_parents, uint32_t),
+    ROW(maps, struct stage_map),
+    ROW(map_rows, struct stage_map_row),
+    ROW(map_pixels, struct stage_map_pixel),
+    ROW(map_columns, uint32_t),
 };
 
 _Static_assert((sizeof(struct stage) - offsetof(struct stage, shapes)) /

@@ -20,28 +20,31 @@ static inline uint32_t lowest(uint32_t lanes)
 static struct path_vertex vertex_of_lane(const struct stage *s, const struct path8_vertex *v,
                                          uint32_t i)
 {
-    const vec3 ng = vec8_lane(&v->at.ng, i);
+    const vec3 ng = vec8_lane(&v->at.ng, i), wo = vec8_lane(&v->wo, i);
+    const struct material *m = (const struct material *)stage_at(s, s->materials) + v->material[i];
     const struct surface at = {.p = vec8_lane(&v->at.p, i),
                                .p_error = vec8_lane(&v->at.p_error, i),
                                .ng = ng,
                                .prim = v->at.prim[i],
                                .material = v->material[i],
-                               .emitter = v->emitter[i]};
-    return (struct path_vertex){.at = at,
-                                .frame = warp_frame_make(ng),
-                                .material = (const struct material *)stage_at(s, s->materials) +
-                                            v->material[i],
-                                .wo = vec8_lane(&v->wo, i)};
+                               .emitter = v->emitter[i],
+                               .lit = path_lit(s, m, wo[2])};
+    return (struct path_vertex){.at = at, .frame = warp_frame_make(ng), .material = m, .wo = wo};
 }
 
-/* Out of the lanes, and into them; the vertices do not come along. */
+static struct path path_of_lane(const struct wave *w, uint32_t i)
+{
+    return (struct path){.light = vec8_lane(&w->lanes.light, i),
+                         .throughput = vec8_lane(&w->lanes.throughput, i),
+                         .scale = w->lanes.scale[i],
+                         .pdf_w = w->lanes.pdf_w[i],
+                         .vertex = vertex_of_lane(w->stage, &w->lanes.vertex, i)};
+}
+
+/* Out of the lanes, and into them, with the vertex that it has come from. */
 static void leave_lanes(struct wave *w, uint32_t i)
 {
-    struct path *p = &w->paths[i];
-    p->light = vec8_lane(&w->lanes.light, i);
-    p->throughput = vec8_lane(&w->lanes.throughput, i);
-    p->scale = w->lanes.scale[i];
-    p->pdf_w = w->lanes.pdf_w[i];
+    w->paths[i] = path_of_lane(w, i);
     w->plain &= ~(1u << i);
 }
 
@@ -52,6 +55,12 @@ static void enter_lanes(struct wave *w, uint32_t i)
     vec8_set_lane(&w->lanes.throughput, i, p->throughput);
     w->lanes.scale[i] = p->scale;
     w->lanes.pdf_w[i] = p->pdf_w;
+    vec8_set_lane(&w->lanes.vertex.at.p, i, p->vertex.at.p);
+    if (w->stage->light_nodes.count) { /* what of the vertex the tree looks at */
+        vec8_set_lane(&w->lanes.vertex.at.ng, i, p->vertex.at.ng);
+        vec8_set_lane(&w->lanes.vertex.wo, i, p->vertex.wo);
+        w->lanes.vertex.material[i] = p->vertex.at.material;
+    }
     w->plain |= 1u << i;
 }
 
@@ -163,6 +172,24 @@ struct direct {
     rgb of_others[WAVE_LANES];
 };
 
+/* Of many lights one for each path that has use for it, chosen side by side. */
+static void pick_lights(const struct wave *w, struct light_pick picks[WAVE_LANES])
+{
+    const struct surface *from[WAVE_LANES];
+    uint32_t path[WAVE_LANES], bits[WAVE_LANES], count = 0;
+    struct light_pick found[WAVE_LANES];
+    for (uint32_t left = w->going; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        from[count] = &w->paths[i].vertex.at;
+        bits[count] = w->lamp.u[i];
+        path[count] = i;
+        count += !bsdf_is_delta(w->paths[i].vertex.material);
+    }
+    light_pick(w->stage, from, bits, count, found);
+    for (uint32_t k = 0; k < count; k++)
+        picks[path[k]] = found[k];
+}
+
 static void look_at_lights(struct wave *w, struct direct *d)
 {
     const struct stage *s = w->stage;
@@ -172,15 +199,17 @@ static void look_at_lights(struct wave *w, struct direct *d)
         return;
     if (lanes)
         d->lanes = lanes & path8_light_directly(s, &w->lanes, &w->lamp, w->shadows, &d->of_lanes);
+    const bool many = s->light_nodes.count > 0;
+    struct light_pick picks[WAVE_LANES];
+    for (uint32_t left = w->going & w->plain & ~lanes; left; left &= left - 1)
+        w->paths[lowest(left)] = path_of_lane(w, lowest(left));
+    if (many)
+        pick_lights(w, picks);
     for (uint32_t left = w->going & ~lanes; left; left &= left - 1) {
         const uint32_t i = lowest(left);
-        const struct sobol_bits lamp = {w->lamp.u[i], w->lamp.v[i]};
-        if (w->plain >> i & 1) { /* a copy, for its light alone */
-            w->paths[i].throughput = vec8_lane(&w->lanes.throughput, i);
-            w->paths[i].vertex = vertex_of_lane(s, &w->lanes.vertex, i);
-        }
+        const struct path_lamp lamp = {{w->lamp.u[i], w->lamp.v[i]}, many ? &picks[i] : NULL};
         d->others |=
-            (uint32_t)path_light_directly(s, &w->paths[i], lamp, &w->shadows[i], &d->of_others[i])
+            (uint32_t)path_light_directly(s, &w->paths[i], &lamp, &w->shadows[i], &d->of_others[i])
             << i;
     }
 }
@@ -263,15 +292,13 @@ static void leave_scene(struct wave *w, uint32_t which)
     }
 }
 
-/* A path whose vertex is in lanes, emits, and has been found from there. */
-static void find_emission(struct wave *w, uint32_t i, vec3 from)
+/* A vertex in lanes that emits. */
+static void find_emission(struct wave *w, const struct path8_vertex *at, uint32_t i)
 {
-    const struct path_vertex v = vertex_of_lane(w->stage, &w->lanes.vertex, i);
-    struct path *p = &w->paths[i];
-    leave_lanes(w, i);
-    p->vertex.at.p = from;
-    path_arrive(w->stage, p, &v);
-    enter_lanes(w, i);
+    struct path p = path_of_lane(w, i);
+    const struct path_vertex v = vertex_of_lane(w->stage, at, i);
+    path_arrive(w->stage, &p, &v);
+    vec8_set_lane(&w->lanes.light, i, p.light);
 }
 
 static uint32_t not_cut(const struct wave *w)
@@ -307,8 +334,8 @@ static void follow_cones(struct wave *w, uint32_t which, const struct ray_hit hi
 static void arrive(struct wave *w, uint32_t which)
 {
     const struct stage *s = w->stage;
-    const struct vec8 from = w->lanes.vertex.at.p;
     struct ray_hit hits[WAVE_LANES];
+    struct path8_vertex at;
     uint32_t found = bvh_hit_closest_8(s, which, w->rays, hits);
     if (s->masked)
         found = path_mask_pass(s, w->rngs, w->bounce + 1, found, w->rays, hits);
@@ -319,23 +346,20 @@ static void arrive(struct wave *w, uint32_t which)
         return;
     }
     leave_scene(w, which & ~found);
-    const uint32_t plain = path8_arrive(s, found, w->rays, hits, &w->lanes.vertex);
+    const uint32_t plain = path8_arrive(s, found, w->rays, hits, &at);
     for (uint32_t left = found & ~plain; left; left &= left - 1) {
         const uint32_t i = lowest(left);
         const struct path_vertex v = path_vertex_make(s, &w->rays[i], &hits[i], w->cones[i].width);
-        if (w->plain >> i & 1) {
+        if (w->plain >> i & 1)
             leave_lanes(w, i);
-            w->paths[i].vertex.at.p = vec8_lane(&from, i);
-        }
         path_arrive(s, &w->paths[i], &v);
     }
-    const uint32_t came = plain & ~w->plain;
-    for (uint32_t left = came; left; left &= left - 1)
+    for (uint32_t left = plain & ~w->plain; left; left &= left - 1)
         enter_lanes(w, lowest(left));
-    for (uint32_t left = plain & w->lanes.vertex.shining; left; left &= left - 1) {
-        const uint32_t i = lowest(left);
-        find_emission(w, i, came >> i & 1 ? w->paths[i].vertex.at.p : vec8_lane(&from, i));
-    }
+    for (uint32_t left = plain & at.shining; left; left &= left - 1)
+        find_emission(w, &at, lowest(left));
+    if (plain)
+        w->lanes.vertex = at;
     w->going = found & not_cut(w);
 }
 
@@ -358,9 +382,10 @@ static void step(struct wave *w)
         choose_materials(w);
     if (w->stage->slots.count)
         apply_textures(w);
-    draw(w);
+    if (!wave_has_drawn_otherwise(w))
+        draw(w);
     look_at_lights(w, &direct);
-    const uint32_t next = scatter(w);
+    const uint32_t next = wave_kept(w, scatter(w));
     add_direct(w, &direct);
     arrive(w, next);
     w->bounce += 1;

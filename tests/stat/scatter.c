@@ -51,6 +51,7 @@ static float lobe_width(const struct material *m)
     case MATERIAL_MIX:
     case MATERIAL_MASK:
     case MATERIAL_TWO_SIDED:
+    case MATERIAL_PANE:
         break;
     }
     return 1;
