@@ -27,11 +27,12 @@ static struct path_vertex vertex_of_lane(const struct stage *s, const struct pat
                                .prim = v->at.prim[i],
                                .material = v->material[i],
                                .emitter = v->emitter[i]};
-    return (struct path_vertex){.at = at,
-                                .frame = warp_frame_make(ng),
-                                .material = (const struct material *)stage_at(s, s->materials) +
-                                            v->material[i],
-                                .wo = vec8_lane(&v->wo, i)};
+    struct path_vertex out; /* its point stays unset: plain vertices have no textures */
+    out.at = at;
+    out.frame = warp_frame_make(ng);
+    out.material = (const struct material *)stage_at(s, s->materials) + v->material[i];
+    out.wo = vec8_lane(&v->wo, i);
+    return out;
 }
 
 static struct path path_of_lane(const struct wave *w, uint32_t i)
@@ -93,10 +94,9 @@ void wave_begin(const struct stage *s, uint32_t which, const struct ray rays[],
     starts->met = found;
     starts->ends = s->settings.max_bounces == 0 ? which : which & ~found;
     starts->plain = s->media ? 0 : path8_arrive(s, found, rays, hits, &starts->lanes);
-    for (uint32_t i = 0; i < WAVE_LANES; i++)
-        starts->cones[i] = (struct cone){s->cone_width, s->cone_spread};
     for (uint32_t left = s->pyramids.count ? found : 0; left; left &= left - 1)
-        starts->cones[lowest(left)].width += s->cone_spread * hits[lowest(left)].t;
+        starts->cones[lowest(left)] =
+            cone_along((struct cone){s->cone_width, s->cone_spread}, hits[lowest(left)].t);
     for (uint32_t left = which; left; left &= left - 1) {
         const uint32_t i = lowest(left), bit = 1u << i;
         if (s->media) {
@@ -130,8 +130,10 @@ static void choose_materials(struct wave *w)
     for (uint32_t left = w->going & ~w->plain; left; left &= left - 1) {
         const uint32_t i = lowest(left);
         struct path_vertex *v = &w->paths[i].vertex;
-        if (v->material == &materials[v->at.material])
-            v->material = material_at(w->stage, v->at.material, v->wo[2] < 0, number[i]);
+        if (v->material == &materials[v->at.material]) {
+            const struct material_side side = {v->at.material, v->wo[2] < 0, &v->point};
+            v->material = material_at(w->stage, &side, number[i]);
+        }
     }
 }
 
