@@ -2,6 +2,7 @@
 # make demo       install what is missing, render an example on a farm of processes here
 # make check      install what the tests need, build, run every test     (README: "Tests")
 # make check-long the same under ASan/UBSan and TSan, with gcc and clang
+# make mutants    do the tests find planted bugs? (ARGS=words of their names)
 # make bench      measurements, each beside a peer or oracle, in one run
 # make bench-rays                    the ray kernel beside Embree's (ARGS=--quick: half a minute)
 # make bench-accel                   the textbooks' structures beside ours: docs/accel.{csv,svg}
@@ -61,7 +62,7 @@ BENCH  := $(patsubst bench/%.c,$(B)/%,$(wildcard bench/bench_*.c))
 TOOLS  := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/tool_*.c))
 FUZZ   := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/fuzz_*.c))
 
-.PHONY: all tests demo pictures check check-unit check-rules check-e2e check-long bench bench-rays bench-accel bench-render \
+.PHONY: all tests demo pictures check check-unit check-rules check-e2e check-long mutants bench bench-rays bench-accel bench-render \
 	bench-cycles fuzz fuzz-run install clean
 .SECONDARY:
 .DELETE_ON_ERROR:
@@ -158,6 +159,9 @@ check-long:
 	$(MAKE) MODE=asan WERROR=1 check-unit check-e2e
 	$(MAKE) -j$(J) MODE=tsan WERROR=1 all tests
 	$(MAKE) MODE=tsan WERROR=1 check-unit check-e2e
+
+mutants:
+	python3 tests/mutants.py $(ARGS)
 
 bench: all $(BENCH) $(TOOLS)
 	@for b in $(BENCH); do echo "== $$b"; $$b || exit 1; done

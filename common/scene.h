@@ -94,10 +94,12 @@ enum material_kind {
     MATERIAL_RETROREFLECTOR,
     MATERIAL_LEAF,
     MATERIAL_PLASTIC,
+    MATERIAL_PRINCIPLED,
     MATERIAL_CLOTH,
     MATERIAL_MIX,
     MATERIAL_MASK,
     MATERIAL_TWO_SIDED,
+    MATERIAL_PANE,
     /* From here on without a name in documents. */
     MATERIAL_METAL, /* a "conductor" that asks for more than MATERIAL_CONDUCTOR has */
 };
@@ -107,6 +109,11 @@ enum material_needs {
     MATERIAL_NEEDS_UV = 1,      /* uv: a parameter is textured */
     MATERIAL_NEEDS_TANGENT = 2, /* the x axis of the local frame along growing u */
     MATERIAL_NEEDS_COLOR = 4,   /* the mesh's vertex colours */
+};
+
+struct thin_film {
+    float thickness_nm; /* [0, 2000]; 0: there is none */
+    float ior;          /* above 1, at most 4 */
 };
 
 /* What lies behind the surface of a dielectric. */
@@ -175,6 +182,14 @@ struct material {
             rgb albedo, color; /* of the base, of the fibres; [0, 1] */
             float roughness;   /* of the fibres, [0.1, 1] */
         } cloth;
+        struct { /* all in [0, 1] but ior */
+            rgb base_color, sheen_color;
+            float metallic, roughness; /* roughness^2 is the GGX width */
+            float ior;                 /* [1.1, 3] */
+            float transmission;        /* of what is not metal */
+            float clearcoat, clearcoat_roughness;
+            float sheen_roughness; /* [0.1, 1] */
+        } principled;
         struct {
             uint32_t first, second; /* indices into scene.materials */
             float amount;           /* of the second, [0, 1] */
@@ -187,10 +202,14 @@ struct material {
             uint32_t front, back; /* both opaque */
         } two_sided;
         struct {
+            float ior; /* of glass, over that around it, [1, 4] */
+        } pane;
+        struct {
             rgb eta, k;              /* as a conductor's */
             float alpha_x, alpha_y;  /* GGX width along the x axis of the local frame and across */
             float turn_cos, turn_sin; /* of the angle by which these are turned about the normal */
             bool multiscatter;       /* light that meets several facets is added */
+            struct thin_film film;
         } metal;
     };
 };
@@ -318,7 +337,12 @@ struct light {
     };
 };
 
-enum integrator_kind { INTEGRATOR_PATH };
+enum integrator_kind { INTEGRATOR_PATH, INTEGRATOR_DIRECT, INTEGRATOR_WHITTED };
+
+/* How light that lights and surfaces can both find is looked for. */
+enum strategy_kind { STRATEGY_MIS, STRATEGY_LIGHT, STRATEGY_BSDF };
+
+enum sampler_kind { SAMPLER_SOBOL, SAMPLER_INDEPENDENT, SAMPLER_STRATIFIED };
 
 struct scene_target {  /* the first one reached ends the job; at least one is set */
     double error;      /* relative error of the image (estimate.h), 0: not set */
@@ -329,6 +353,8 @@ struct scene_target {  /* the first one reached ends the job; at least one is se
 
 struct scene_settings {
     enum integrator_kind integrator;
+    enum strategy_kind strategy;
+    enum sampler_kind sampler;
     uint32_t max_bounces; /* scattering events per path; 0 shows emission alone. Default 64 */
     uint64_t seed;        /* default 0; [0, 2^53 - 1]: JSON carries it exactly */
     struct scene_target target;

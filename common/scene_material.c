@@ -32,10 +32,12 @@ static const char *const material_names[] = {
     [MATERIAL_RETROREFLECTOR] = "retroreflector",
     [MATERIAL_LEAF] = "leaf",
     [MATERIAL_PLASTIC] = "plastic",
+    [MATERIAL_PRINCIPLED] = "principled",
     [MATERIAL_CLOTH] = "cloth",
     [MATERIAL_MIX] = "mix",
     [MATERIAL_MASK] = "mask",
     [MATERIAL_TWO_SIDED] = "two_sided",
+    [MATERIAL_PANE] = "thin_dielectric",
 };
 _Static_assert(countof(material_names) == MATERIAL_METAL, "kinds that have no name come last");
 
@@ -71,6 +73,9 @@ static void read_material(const struct scene_params *p, struct material *m)
     case MATERIAL_PLASTIC:
         scene_coat_plastic(p, m);
         return;
+    case MATERIAL_PRINCIPLED:
+        scene_coat_principled(p, m);
+        return;
     case MATERIAL_CLOTH:
         scene_coat_cloth(p, m);
         return;
@@ -82,6 +87,9 @@ static void read_material(const struct scene_params *p, struct material *m)
         return;
     case MATERIAL_TWO_SIDED:
         scene_wrap_two_sided(p, m);
+        return;
+    case MATERIAL_PANE:
+        scene_specular_pane(p, m);
         return;
     case MATERIAL_METAL:
         break;

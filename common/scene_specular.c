@@ -92,6 +92,21 @@ static void read_widths(const struct scene_params *p, struct material *m)
     }
 }
 
+/* Of an index of 1 there is none. */
+static void read_film(const struct scene_params *p, struct thin_film *film)
+{
+    static const struct scene_key keys[] = {{"thickness_nm", true}, {"ior", true}};
+    struct scene_at at;
+    double thickness = 0, ior = 1;
+    if (!scene_at_member(p->at, "thin_film", &at) ||
+        !scene_doc_object(p->doc, &at, "a thin film", keys, countof(keys)))
+        return;
+    scene_key_number(p->doc, &at, "thickness_nm", (struct scene_range){0, 2000, false}, &thickness);
+    scene_key_number(p->doc, &at, "ior", (struct scene_range){1, 4, false}, &ior);
+    film->ior = (float)ior;
+    film->thickness_nm = film->ior > 1 ? (float)thickness : 0;
+}
+
 static void read_turn(const struct scene_params *p, float *cos, float *sin)
 {
     static const double normal[3] = {0, 0, 1};
@@ -122,6 +137,14 @@ void scene_specular_dielectric(const struct scene_params *p, struct material *m)
     m->inside.priority = (uint32_t)priority;
 }
 
+void scene_specular_pane(const struct scene_params *p, struct material *m)
+{
+    static const struct scene_key keys[] = {{"type", true}, {"ior", true}};
+    m->pane.ior = 1;
+    scene_params_of(p, "a thin_dielectric material", keys, countof(keys));
+    scene_param_number(p, "ior", (struct scene_range){1, 4, false}, &m->pane.ior);
+}
+
 static void read_constants(const struct scene_params *p, rgb *eta, rgb *k)
 {
     struct scene_at name;
@@ -136,16 +159,18 @@ void scene_specular_conductor(const struct scene_params *p, struct material *m)
     struct scene_at name;
     const bool named = scene_at_member(p->at, "metal", &name);
     const struct scene_key keys[] = {
-        {"type", true},  {"metal", false},        {"eta", !named},        {"k", !named},
-        {"alpha", true}, {"rotation_deg", false}, {"multiscatter", false}};
+        {"type", true},  {"metal", false},        {"eta", !named},         {"k", !named},
+        {"alpha", true}, {"rotation_deg", false}, {"multiscatter", false}, {"thin_film", false}};
     m->kind = MATERIAL_METAL;
     scene_params_of(p, "a conductor material", keys, countof(keys));
     read_constants(p, &m->metal.eta, &m->metal.k);
     read_widths(p, m);
     read_turn(p, &m->metal.turn_cos, &m->metal.turn_sin);
     read_flag(p, "multiscatter", &m->metal.multiscatter);
+    read_film(p, &m->metal.film);
     m->needs |= m->metal.alpha_x != m->metal.alpha_y ? MATERIAL_NEEDS_TANGENT : 0;
     /* What a conductor has, it has where a metal has it, also for the slots of textures. */
-    if (m->metal.alpha_x == m->metal.alpha_y && !m->metal.multiscatter)
+    if (m->metal.alpha_x == m->metal.alpha_y && !m->metal.multiscatter &&
+        m->metal.film.thickness_nm == 0)
         m->kind = MATERIAL_CONDUCTOR;
 }

@@ -138,11 +138,13 @@ static bool scatter(const struct material *m, bool front, struct dir wo, struct 
         return either_dielectric(m, front, wo, dice, wi, weight);
     case MATERIAL_CONDUCTOR:
         return conductor(m, wo, dice, wi, weight);
+    case MATERIAL_PANE:
     case MATERIAL_METAL:
     case MATERIAL_ROUGH_DIFFUSE:
     case MATERIAL_RETROREFLECTOR:
     case MATERIAL_LEAF:
     case MATERIAL_PLASTIC:
+    case MATERIAL_PRINCIPLED:
     case MATERIAL_CLOTH:
     case MATERIAL_MIX:
     case MATERIAL_MASK:
@@ -176,15 +178,24 @@ static bool in_sun(const struct emitter *sun, vec3 dir)
     return 1 - dot / sqrt(length) <= (double)sun->cap;
 }
 
+/* Whitted's paths go on from these. */
+static bool is_smooth(const struct material *m)
+{
+    return m->kind == MATERIAL_MIRROR ||
+           (m->kind == MATERIAL_DIELECTRIC && m->dielectric.alpha == 0);
+}
+
 void naive_path_radiance(const struct stage *s, struct ray ray, struct dice *dice, double sum[3])
 {
     const struct material *materials = stage_at(s, s->materials);
     const struct emitter *emitters = stage_at(s, s->emitters);
     double throughput[3] = {1, 1, 1};
+    bool lights_alone = false; /* behind the last surface of a path of Whitted's */
     for (uint32_t bounce = 0;; bounce++) {
         struct ray_hit hit;
         if (!bvh_hit_closest(s, &ray, &hit)) {
-            add(sum, throughput, s->sky);
+            if (!lights_alone)
+                add(sum, throughput, s->sky);
             for (uint32_t e = s->beyond_begin; e < s->emitters.count; e++)
                 if (in_sun(&emitters[e], ray.dir))
                     add(sum, throughput, vec3_load(emitters[e].radiance));
@@ -194,8 +205,10 @@ void naive_path_radiance(const struct stage *s, struct ray ray, struct dice *dic
         const bool front = vec3_dot(ray.dir, at.ng) < 0;
         if (front && at.emitter != STAGE_NONE)
             add(sum, throughput, vec3_load(emitters[at.emitter].radiance));
-        if (bounce == s->settings.max_bounces)
+        if (bounce == s->settings.max_bounces || lights_alone)
             return;
+        lights_alone =
+            s->settings.integrator == INTEGRATOR_WHITTED && !is_smooth(&materials[at.material]);
         const vec3 z = front ? at.ng : -at.ng;
         vec3 x, y;
         tangents(z, &x, &y);

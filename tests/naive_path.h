@@ -2,8 +2,9 @@
  *
  * Every direction is sampled from the material alone; light counts where a path happens to meet it.
  * No next-event estimation, no MIS, no roulette, independent random numbers, textbook formulas
- * in double. It shares with the core only the stage, the intersections and surface points.
- * Point and distant lights are never met: scenes with them are beyond it.
+ * in double. Integrator and max_bounces are obeyed (Whitted's mirrors and glass are
+ * those that are smooth). It shares with the core only the stage, the intersections and surface
+ * points. Point and distant lights are never met: scenes with them are beyond it.
  * SPDX-License-Identifier: MIT */
 #ifndef TESTS_NAIVE_PATH_H
 #define TESTS_NAIVE_PATH_H

@@ -154,7 +154,7 @@ static void cube_walls(int light, double factor, const char *name)
     scenes_box(&s, scenes_diffuse(&s, rgb_gray(1)), vec3_make(-.5f, -.5f, -.5f),
                vec3_make(.5f, .5f, .5f), true);
     s.scene.shapes[light].emission = rgb_gray(1);
-    judge_scene(&s, 4096, factor, name);
+    judge_scene(&s, 5120, factor, name);
 }
 
 /* --- whatever lights a sphere from inside, its own light is even --- */
@@ -210,9 +210,9 @@ int main(void)
     integrating_sphere(.5f);
     integrating_sphere(-.7f);
     if (stat_is_long())
-        balance(EMPTY, .5f, 700000, "A-15: empty cube");
-    balance(BALL, .5f, 1300000, "A-15: a wavy ball in a cube");
-    balance(SLABS, .8f, 700000, "A-15: slabs in a cube, albedo .8");
+        balance(EMPTY, .5f, 780000, "A-15: empty cube");
+    balance(BALL, .5f, 1400000, "A-15: a wavy ball in a cube");
+    balance(SLABS, .8f, 780000, "A-15: slabs in a cube, albedo .8");
     concentric();
     return tap_done();
 }

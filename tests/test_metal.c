@@ -93,9 +93,9 @@ static void albedo_table_is_quadrature(void)
             sampled =
                 fmax(sampled, fabs(scatter_albedo(&s, direction(cosines[k], .3), 1) - a14[i][k]));
         }
-    ok(off < (STAT_SLOW == 1 ? 1e-5 : 1e-3), "A-14 the table is the quadrature to 1e-5 (%.1e)",
+    ok(off < (STAT_SLOW == 1 ? 1e-5 : 1e-3), "A-14: the table is the quadrature to 1e-5 (%.1e)",
        off);
-    ok(sampled < 0.001, "A-14 eval's integrals are the table's within .001 (%.1e)", sampled);
+    ok(sampled < 0.001, "A-14: eval's integrals are the table's within .001 (%.1e)", sampled);
 }
 
 /* What leaves a white surface from one direction. */
@@ -128,8 +128,8 @@ static void white_furnace(void)
         most[two] = fmax(most[two], w);
     }
     ok(least[0] > .995 && most[0] < 1.001,
-       "F-23 whole GGX in a white furnace, one width: [%.4f, %.4f]", least[0], most[0]);
-    ok(least[1] > .98 && most[1] < 1.001, "F-23 two widths, up to 1:10: [%.4f, %.4f]", least[1],
+       "F-23: whole GGX in a white furnace, one width: [%.4f, %.4f]", least[0], most[0]);
+    ok(least[1] > .98 && most[1] < 1.001, "F-23: two widths, up to 1:10: [%.4f, %.4f]", least[1],
        most[1]);
 }
 
@@ -188,7 +188,7 @@ static void weak_furnace(void)
                 off = fmax(off, fabs(w - 1));
                 oracle = fmax(oracle, fabs(ggx_albedo_weak(&g, 256 / STAT_SLOW) - 1));
             }
-    ok(off < 1e-3, "F-24 weak white furnace, 10:1 and 1:1, mu .05 to 1: 1 within %.1e", off);
+    ok(off < 1e-3, "F-24: weak white furnace, 10:1 and 1:1, mu .05 to 1: 1 within %.1e", off);
     ok(oracle < 1e-3, "and so in the oracle (%.1e)", oracle);
 }
 
@@ -221,7 +221,7 @@ static void swapped_widths(void)
         all_round.metal.turn_cos = -1;
         off = fmax(off, fabs((double)(bsdf_eval(&all_round, o, w)[0] - f[0])));
     }
-    ok(bits, "F-25 widths change places with x and y, and by a turn of 90 degrees: the same bits");
+    ok(bits, "F-25: widths change places with x and y, and by a turn of 90 degrees: the same bits");
     ok(off == 0, "half a turn changes nothing");
 }
 
@@ -279,7 +279,7 @@ static void narrow_lobes_meet_mirror(void)
             const struct material delta = coloured(metal(.99f * least, .5f * least, 0, whole));
             off = fmax(off, fabs(albedo(&lobe, o) - albedo(&delta, o)));
         }
-    ok(off < 1e-3, "F-22 albedo is continuous where the lobe becomes a mirror (%.1e)", off);
+    ok(off < 1e-3, "F-22: albedo is continuous where the lobe becomes a mirror (%.1e)", off);
     const struct material none = metal(0, 0, 0, true), half = metal(0, .3f, 0, true);
     ok(bsdf_is_delta(&none) && !bsdf_is_delta(&half), "only two widths of 0 make a mirror");
 }
@@ -314,7 +314,7 @@ static void corners(void)
                 const struct square q = {edge[n % 7], edge[n / 7 % 7]};
                 bad += !sample_is_good(&m, direction(z[d], .1), edge[n / 49], q);
             }
-    ok(bad == 0, "F-40 corners of the unit cube at all angles give finite samples (%d bad)", bad);
+    ok(bad == 0, "F-40: corners of the unit cube at all angles give finite samples (%d bad)", bad);
 }
 
 int main(void)

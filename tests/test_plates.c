@@ -88,7 +88,7 @@ static void small_lights(void)
         const double p = (double)(radius[i] * radius[i]);
         const struct ray ray = floor_and_ball(&s, scenes_diffuse(&s, rgb_gray(1)),
                                               vec3_make(0, 1, 0), radius[i], (float)(1 / p));
-        const uint32_t count = stat_tries(i ? 3000000 : 400000, i ? 50000000 : 4000000);
+        const uint32_t count = stat_tries(i ? 3000000 : 400000, i ? 20000000 : 4000000);
         const struct ways w = three_ways(scenes_stage(&s), ray, count);
         near(stat_variance(&w.drawn) * p / (1 - p), 1, STAT_SLOW == 1 ? .1 : .6,
              "F-01: radius %g: directions alone have relative variance (1 - p) / p = %.0f",
@@ -134,7 +134,7 @@ static void plates(void)
     double bound = -HUGE_VAL;
     for (size_t i = 0; i < countof(alpha) * countof(radius); i++) {
         const float a = alpha[i / 4], r = radius[i % 4];
-        const struct cell c = plate(a, r, stat_tries(20000, 1000000));
+        const struct cell c = plate(a, r, stat_tries(20000, 300000));
         const double best = fmin(c.aimed, c.drawn);
         bound = fmax(bound, (c.both - best) / c.mu);
     }

@@ -155,12 +155,12 @@ static double neighbours(const struct images *im, uint32_t count)
 static void compare(void (*make)(struct scenes *), const char *name)
 {
     static const uint32_t spp[] = {7, 16, 32, 100};
-    const uint32_t seeds = max_u32(8, stat_tries(48, 640));
+    const uint32_t seeds = max_u32(8, stat_tries(48, 320));
     struct scenes s;
     static struct noise noise;
     scenes_init(&s, SIDE, SIDE);
     make(&s);
-    noise_make(&noise, scenes_stage(&s), stat_tries(3000, 30000));
+    noise_make(&noise, scenes_stage(&s), stat_tries(3000, 20000));
     for (size_t i = 0; i < countof(spp); i++) {
         struct images im = {.value = calloc((size_t)seeds * PIXELS, sizeof *im.value)};
         render(&s, spp[i], seeds, &im);
@@ -237,7 +237,7 @@ static void deep_glass(void)
     scenes_quad(&s, scenes_diffuse(&s, rgb_gray(0)), vec3_make(-20, -20, -11), x, y)->emission =
         rgb_gray(1);
     const double f = .04, r = 2 * f / (1 + f), truth = (1 - r) / (1 + (PANES - 1) * r);
-    scenes_render(scenes_stage(&s), stat_tries(768, 32 * 768), &film);
+    scenes_render(scenes_stage(&s), stat_tries(768, 20 * 768), &film);
     const struct scenes_mean m = scenes_mean(&film, 1);
     const double detects = 6.23 * m.error / truth;
     ok(fabs(m.mean - truth) < 3.9 * m.error && detects < (STAT_SLOW > 1    ? 1

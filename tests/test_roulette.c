@@ -64,13 +64,13 @@ static void mirrors(struct scenes *s, float r)
         s->scene.shapes[i].emission = rgb_gray(1);
 }
 
-/* Paths of pixels of their own: independent of each other. `each` is told what each brings. */
-struct walk {
+struct walk { /* many paths along one ray */
     struct stat_mean light;
     const struct lengths *lengths; /* or NULL: they are not asked for */
     uint32_t seen[MOST + 1];       /* by length */
 };
 
+/* Paths with the numbers of pixels of their own: independent of each other. */
 static void walk(const struct stage *stage, struct ray ray, uint32_t roulette_begin, uint32_t count,
                  struct walk *w)
 {
@@ -113,7 +113,7 @@ static void lengths_and_variance(float a)
     mirrors(&s, a);
     lengths_make(&l, (double)a);
     w = (struct walk){.lengths = &l};
-    const uint32_t count = stat_tries(60000, 2000000) / WAVE_LANES * WAVE_LANES;
+    const uint32_t count = stat_tries(60000, 400000) / WAVE_LANES * WAVE_LANES;
     walk(scenes_stage(&s), some_ray(), PATH_ROULETTE_BEGIN, count, &w);
     double due[MOST + 1] = {0}, rays = 0;
     for (int n = 0; n <= MOST; n++) {
@@ -187,10 +187,10 @@ int main(void)
     for (size_t i = 0; i < countof(a); i++)
         lengths_and_variance(a[i]);
     furnace(&s, .99f);
-    nearly_endless(&s, 100, stat_tries(20000, 2000000), stat_is_long() ? .005 : .03, "albedo .99");
+    nearly_endless(&s, 100, stat_tries(20000, 450000), stat_is_long() ? .005 : .03, "albedo .99");
     without_roulette();
     mirrors(&s, .999f);
-    nearly_endless(&s, 1000 * (1 - pow(.999, 10001)), stat_tries(6000, 800000),
+    nearly_endless(&s, 1000 * (1 - pow(.999, 10001)), stat_tries(6000, 110000),
                    stat_is_long() ? .01 : .05, "mirrors of .999");
     return tap_done();
 }

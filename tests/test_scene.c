@@ -64,9 +64,10 @@ static void defaults(void)
        "crop defaults to the whole film");
     ok(scene.film.filter == FILTER_BOX && scene.film.filter_radius_px == .5f,
        "filter defaults to a box of one pixel");
-    ok(scene.settings.integrator == INTEGRATOR_PATH && scene.settings.max_bounces == 64 &&
+    ok(scene.settings.integrator == INTEGRATOR_PATH && scene.settings.strategy == STRATEGY_MIS &&
+           scene.settings.sampler == SAMPLER_SOBOL && scene.settings.max_bounces == 64 &&
            scene.settings.seed == 0,
-       "settings default to path, 64 bounces, seed 0");
+       "settings default to path, mis, sobol, 64 bounces, seed 0");
     ok(scene.settings.target.spp == 64 && scene.settings.target.error == 0 &&
            scene.settings.target.seconds == 0,
        "target defaults to 64 samples per pixel");
@@ -127,6 +128,21 @@ static void film_and_settings(void)
              "\"albedo\"], \"bounces\": 3}, " CAMERA ", \"materials\": {}, \"shapes\": []}") &&
            scene.film.layers == layers_make(LAYER_MATERIAL | LAYER_ALBEDO, 3),
        "layers are a set, bounces a count");
+}
+
+static void methods(void)
+{
+    const struct scene_settings *s = &scene.settings;
+    ok(parse(HEAD "\"materials\": {}, \"shapes\": [], \"settings\": {\"integrator\": \"direct\", "
+                  "\"strategy\": \"bsdf\", \"sampler\": \"stratified\"}}") &&
+           s->integrator == INTEGRATOR_DIRECT && s->strategy == STRATEGY_BSDF &&
+           s->sampler == SAMPLER_STRATIFIED,
+       "direct light, by directions, stratified");
+    ok(parse(HEAD "\"materials\": {}, \"shapes\": [], \"settings\": {\"integrator\": \"whitted\", "
+                  "\"strategy\": \"light\", \"sampler\": \"independent\"}}") &&
+           s->integrator == INTEGRATOR_WHITTED && s->strategy == STRATEGY_LIGHT &&
+           s->sampler == SAMPLER_INDEPENDENT,
+       "whitted, by lights, independent");
 }
 
 static void camera(void)
@@ -453,6 +469,7 @@ int main(void)
 {
     defaults();
     film_and_settings();
+    methods();
     camera();
     cameras();
     materials();

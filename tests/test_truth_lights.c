@@ -59,7 +59,7 @@ static void sun_disc(double diameter_deg, vec3 normal, bool by_irradiance)
         const double x = 1 / tan(a), y = -x * cosine / sine, q = sine * sqrt(1 - y * y);
         e = (cosine * acos(y) - x * q) * sin(a) * sin(a) + atan(q / x);
     }
-    snprintf(name, sizeof name, "A-06 sun of %g degrees at %.0f degrees", diameter_deg,
+    snprintf(name, sizeof name, "A-06: sun of %g degrees at %.0f degrees", diameter_deg,
              acos(cosine) * 180 / pi);
     is_true(&s, 512, e / pi, name);
 }
@@ -100,7 +100,7 @@ static void spot_in_sphere(double inner_deg, double outer_deg)
     l->spot.inner_rad = (float)(inner_deg * pi / 180);
     l->spot.outer_rad = (float)(outer_deg * pi / 180);
     const double power = pi * (2 - cos(inner_deg * pi / 180) - cos(outer_deg * pi / 180));
-    snprintf(name, sizeof name, "A-09 power of a spot from %g to %g degrees", inner_deg, outer_deg);
+    snprintf(name, sizeof name, "A-09: power of a spot from %g to %g degrees", inner_deg, outer_deg);
     is_true(&s, 16384, power * .5 * .5 / (4 * pi * pi * (1 - .5)), name);
 }
 

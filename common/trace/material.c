@@ -44,7 +44,9 @@ float material_opacity(const struct stage *s, const struct material_side *side)
     case MATERIAL_RETROREFLECTOR:
     case MATERIAL_LEAF:
     case MATERIAL_PLASTIC:
+    case MATERIAL_PRINCIPLED:
     case MATERIAL_CLOTH:
+    case MATERIAL_PANE:
     case MATERIAL_METAL:
         break;
     }

@@ -20,19 +20,25 @@
 /* The first bounce after which a path may be ended by chance. */
 enum { PATH_ROULETTE_BEGIN = 1 };
 
+struct path_raised { /* path_shade.h */
+    bool is;         /* light from below the triangle and above the frame's plane is gathered at: */
+    vec3 p;
+};
+
 struct path_vertex { /* where a ray has arrived */
     struct surface at;
     struct warp_frame frame;
     const struct material *material;
     vec3 wo;                    /* where the ray came from; local */
     struct texture_point point; /* for the textures of a material that has some */
+    struct path_raised raised;
 };
 
 struct path_media;
 
 struct path {
     struct path_media *media; /* NULL: the scene has none (path_media.h) */
-    rgb light; /* found so far */
+    rgb light;                /* found so far */
     rgb throughput;
     float scale; /* what roulette divides out of throughput; from the first scattering on */
     float pdf_w; /* of the last direction; 0: a delta lobe's, which next-event estimation cannot
@@ -60,11 +66,11 @@ rgb path_emission(const struct stage *, const struct path_vertex *);
 
 /* Light that may reach the vertex from one chosen emitter and goes on to wo, MIS-weighted. True:
  * *light comes if *shadow hits nothing. */
-bool path_light_directly(const struct stage *, const struct path *, struct sobol_bits lamp,
+bool path_light_directly(const struct stage *, struct path *, struct sobol_bits lamp,
                          struct ray *shadow, rgb *light);
 
 /* The next ray; false: there is none. */
-bool path_scatter(struct path *, const struct path_draw *, struct ray *);
+bool path_scatter(const struct stage *, struct path *, const struct path_draw *, struct ray *);
 
 /* The vertex where the ray has arrived, and what it emits. */
 void path_arrive(const struct stage *, struct path *, const struct path_vertex *);

@@ -11,11 +11,13 @@ static bool interface_is_there(const struct stage *s, struct path *p)
     struct path_vertex *v = &p->vertex;
     struct path_media *m = p->media;
     float ratio;
+    m->body = STAGE_NONE;
     if (!medium_is_body(v->material))
         return true;
+    m->body = v->at.material;
     m->entering = v->wo[2] > 0;
-    if (!medium_meets(s, &m->bodies, v->at.material, m->entering, &ratio)) {
-        medium_cross(&m->bodies, v->at.material, m->entering);
+    if (!medium_meets(s, &m->bodies, m->body, m->entering, &ratio)) {
+        medium_cross(&m->bodies, m->body, m->entering);
         return false;
     }
     m->seen = *v->material;
@@ -34,8 +36,8 @@ static struct stage_bodies bodies_towards(const struct path *p, vec3 wi)
 {
     const struct path_vertex *v = &p->vertex;
     struct stage_bodies b = p->media->bodies;
-    if (v->wo[2] * wi[2] < 0 && medium_is_body(v->material))
-        medium_cross(&b, v->at.material, p->media->entering);
+    if (v->wo[2] * wi[2] < 0 && p->media->body != STAGE_NONE)
+        medium_cross(&b, p->media->body, p->media->entering);
     return b;
 }
 

@@ -12,7 +12,8 @@
 struct path_media {
     struct stage_bodies bodies; /* around the vertex, on the side of wo */
     struct material seen;       /* the vertex's, as an interface between two bodies */
-    bool entering;              /* a body, at the vertex */
+    uint32_t body;              /* whose surface the vertex is on: the material, or STAGE_NONE */
+    bool entering;
 };
 
 /* A path along a camera ray, with light and throughput. hit: NULL for none. width: of the ray's

@@ -45,7 +45,8 @@ static void count_pieces(struct prep_plan *p)
     struct stage *head = &p->head;
     head->shapes.count = (uint64_t)p->scene->shape_count + 1;
     head->pick_cdf.count = head->emitters.count + 1;
-    head->lamps.count = light8_fit(p->emitters, head->emitters.count);
+    if (head->settings.strategy == STRATEGY_MIS) /* lanes know no other */
+        head->lamps.count = light8_fit(p->emitters, head->emitters.count);
     while (head->prim_count >> head->guide_shift >= GUIDE_MOST)
         head->guide_shift++;
     head->guide.count = (head->prim_count >> head->guide_shift) + 2;
@@ -192,6 +193,15 @@ static bool check_lines(const struct prep_plan *p, struct err *err)
                    (unsigned long long)BVH_MOST_LINES * BVH_LINE >> 20);
 }
 
+/* Direct light is one scattering; Whitted's surfaces look for lights and for nothing else. */
+static void settle_method(struct scene_settings *s)
+{
+    if (s->integrator == INTEGRATOR_DIRECT)
+        s->max_bounces = min_u32(s->max_bounces, 1);
+    if (s->integrator == INTEGRATOR_WHITTED)
+        s->strategy = STRATEGY_LIGHT;
+}
+
 bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena *arena,
                 struct arena *scratch, const struct stage **stage, struct err *err)
 {
@@ -203,6 +213,7 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
     p.head.struct_bytes = sizeof p.head;
     p.head.film = scene->film;
     p.head.settings = scene->settings;
+    settle_method(&p.head.settings);
     p.head.media = medium_uses(scene);
     prep_shapes(&p, crew);
     prep_lights(&p);

@@ -20,18 +20,17 @@ static inline uint32_t lowest(uint32_t lanes)
 static struct path_vertex vertex_of_lane(const struct stage *s, const struct path8_vertex *v,
                                          uint32_t i)
 {
-    const vec3 ng = vec8_lane(&v->at.ng, i);
-    const struct surface at = {.p = vec8_lane(&v->at.p, i),
-                               .p_error = vec8_lane(&v->at.p_error, i),
-                               .ng = ng,
-                               .prim = v->at.prim[i],
-                               .material = v->material[i],
-                               .emitter = v->emitter[i]};
     struct path_vertex out; /* its point stays unset: plain vertices have no textures */
-    out.at = at;
-    out.frame = warp_frame_make(ng);
+    out.at = (struct surface){.p = vec8_lane(&v->at.p, i),
+                              .p_error = vec8_lane(&v->at.p_error, i),
+                              .ng = vec8_lane(&v->at.ng, i),
+                              .prim = v->at.prim[i],
+                              .material = v->material[i],
+                              .emitter = v->emitter[i]};
+    out.frame = warp_frame_make(out.at.ng);
     out.material = (const struct material *)stage_at(s, s->materials) + v->material[i];
     out.wo = vec8_lane(&v->wo, i);
+    out.raised.is = false;
     return out;
 }
 
@@ -243,7 +242,7 @@ static uint32_t scatter(struct wave *w)
             .first = w->draw.first[i] != 0,
             .may_end = w->draw.may_end[i] != 0,
         };
-        next |= (uint32_t)path_scatter(&w->paths[i], &one, &w->rays[i]) << i;
+        next |= (uint32_t)path_scatter(w->stage, &w->paths[i], &one, &w->rays[i]) << i;
     }
     return next;
 }
@@ -359,9 +358,10 @@ static void step(struct wave *w)
         choose_materials(w);
     if (w->stage->slots.count)
         apply_textures(w);
-    draw(w);
+    if (!wave_has_drawn_otherwise(w))
+        draw(w);
     look_at_lights(w, &direct);
-    const uint32_t next = scatter(w);
+    const uint32_t next = wave_kept(w, scatter(w));
     add_direct(w, &direct);
     arrive(w, next);
     w->bounce += 1;

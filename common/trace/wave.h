@@ -18,6 +18,7 @@
 #include "common/trace/path8.h"
 #include "common/trace/path_media.h"
 #include "common/trace/rng.h"
+#include "common/trace/sampler.h"
 
 enum { WAVE_LANES = 8 };
 
@@ -89,5 +90,28 @@ void wave_put(struct wave *, uint32_t which, const struct wave_starts *, const s
               uint32_t number);
 
 void wave_finish(struct wave *);
+
+/* --- of wave.c alone: what it does otherwise (wave_otherwise.c) --- */
+
+void wave_draw_otherwise(struct wave *);
+uint32_t wave_smooth_alone(const struct wave *, uint32_t next);
+
+/* By other samplers than Sobol's: all numbers of a bounce, whether there is a use for them or not.
+ */
+static inline bool wave_has_drawn_otherwise(struct wave *w)
+{
+    if (sampler_is_sobol(&w->stage->settings))
+        return false;
+    wave_draw_otherwise(w);
+    return true;
+}
+
+/* The paths that have a next ray and go on: of Whitted's those from smooth surfaces (T. Whitted,
+ * "An Improved Illumination Model for Shaded Display", CACM 23(6), 1980). */
+static inline uint32_t wave_kept(const struct wave *w, uint32_t next)
+{
+    const bool whitted = w->stage->settings.integrator == INTEGRATOR_WHITTED;
+    return __builtin_expect(whitted, false) ? wave_smooth_alone(w, next) : next;
+}
 
 #endif
