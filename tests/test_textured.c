@@ -9,6 +9,7 @@
 #include "common/estimate.h"
 #include "common/trace/fmath.h"
 #include "common/trace/wave.h"
+#include "tests/local.h"
 #include "tests/stat/stat.h"
 #include "tests/tap.h"
 #include "tests/textures.h"
@@ -275,6 +276,29 @@ static void leaves_keep_energy(void)
     scenes_release(&s);
 }
 
+/* The document in which every parameter of every material is textured. */
+static void everything_at_once(void)
+{
+    struct local l;
+    struct film film;
+    local_open(&l, "tests/textured.json");
+    const struct scene *scene = &l.disk.scene;
+    uint32_t bare = 0, bad = 0, bright = 0;
+    for (uint32_t i = 0; i < scene->material_count; i++)
+        bare += !textured_has(&scene->materials[i]);
+    local_render(&l, 8, 1, &film);
+    for (size_t i = 0; i < (size_t)64 * 3; i++) {
+        bad += !(film.sum[i] >= 0 && film.sum[i] < 1e6);
+        bright += film.sum[i] > 1.03 * 16;
+    }
+    ok(scene->material_count == 13 && bare == 0 && scene->slot_count == 32,
+       "all parameters of all materials are textured: %u slots", scene->slot_count);
+    ok(bad == 0 && bright == 0, "and in a furnace none returns more than it gets (%u, %u)", bad,
+       bright);
+    film_release(&film);
+    local_release(&l);
+}
+
 static void orientation(void)
 {
     static const unsigned char rows[] = {255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255};
@@ -308,6 +332,7 @@ int main(void)
     mixes_and_masks();
     shadows_have_holes();
     leaves_keep_energy();
+    everything_at_once();
     orientation();
     return tap_done();
 }
