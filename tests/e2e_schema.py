@@ -104,7 +104,7 @@ def main():
     ok(True, "the schema is valid by its own schema")
     validator = Validator(schema)
 
-    examples = sorted(glob.glob(os.path.join(ROOT, "scenes/*.json")))
+    examples = sorted(glob.glob(os.path.join(ROOT, "scenes/*.json"))) + [os.path.join(ROOT, "tests/textured.json")]
     ok(len(examples) >= 4, "there are examples")
     for path in examples:
         fault = next(validator.iter_errors(load(path)), None)

@@ -7,6 +7,9 @@
 #include <string.h>
 
 #include "common/estimate.h"
+#include "common/trace/fmath.h"
+#include "common/trace/wave.h"
+#include "tests/local.h"
 #include "tests/stat/stat.h"
 #include "tests/tap.h"
 #include "tests/textures.h"
@@ -186,6 +189,116 @@ static void mirrors_keep_the_footprint(void)
        "fine squares are not noisy from afar (%.1e), nor in a mirror (%.1e)", spread[0], spread[1]);
 }
 
+/* A plate that a checker makes of two others, or that it makes holes into. */
+static void mixes_and_masks(void)
+{
+    struct scenes s;
+    plate(&s, 3);
+    const uint32_t dark = scenes_diffuse(&s, rgb_gray(.1f)),
+                   light = scenes_diffuse(&s, rgb_gray(.7f));
+    const uint32_t mix =
+        scenes_material(&s, (struct material){.kind = MATERIAL_MIX, .mix = {dark, light, 1}});
+    const struct texture *t = textures_checker(&s, rgb_gray(0), rgb_gray(1), 5);
+    textures_drive(&s, &s.scene.materials[mix].mix.amount, false, t);
+    s.scene.shapes[0].material = mix;
+    const double want = 2 * (.1 * 13 + .7 * 12) / 25;
+    const struct scenes_mean mixed = plate_mean(&s, 8192);
+    near(mixed.mean, want, stat_z_limit(.001) * mixed.error + 1e-6,
+         "a checker of two materials is their mean: %.5f, not %.5f", mixed.mean, want);
+
+    plate(&s, 3); /* black squares before the sky */
+    const uint32_t mask =
+        scenes_material(&s, (struct material){.kind = MATERIAL_MASK, .mask = {0, 1}});
+    t = textures_checker(&s, rgb_gray(0), rgb_gray(1), 5);
+    textures_drive(&s, &s.scene.materials[mask].mask.opacity, false, t);
+    s.scene.shapes[0].material = mask;
+    const struct scenes_mean seen = plate_mean(&s, 8192);
+    near(seen.mean, 2 * 13. / 25, stat_z_limit(.001) * seen.error + 1e-6,
+         "through a checker of holes is seen what is behind: %.5f, not %.5f", seen.mean,
+         2 * 13. / 25);
+}
+
+/* The sun straight above a checker of holes, the floor below it. */
+static void shadows_have_holes(void)
+{
+    struct scenes s;
+    scenes_init(&s, 8, 8);
+    scenes_quad(&s, scenes_diffuse(&s, rgb_gray(1)), vec3_make(0, 0, 0), vec3_make(1, 0, 0),
+                vec3_make(0, 1, 0));
+    const uint32_t mask =
+        scenes_material(&s, (struct material){.kind = MATERIAL_MASK, .mask = {0, 1}});
+    textures_drive(&s, &s.scene.materials[mask].mask.opacity, false,
+                   textures_checker(&s, rgb_gray(0), rgb_gray(1), 2));
+    scenes_quad(&s, mask, vec3_make(0, 0, 1), vec3_make(1, 0, 0), vec3_make(0, 1, 0));
+    struct light *sun = scenes_light(&s, LIGHT_DISTANT);
+    sun->distant.direction[2] = -1;
+    sun->distant.irradiance = rgb_gray((float)FMATH_PI);
+    s.scene.settings.max_bounces = 1;
+    const struct stage *stage = scenes_stage(&s);
+    bool good = true;
+    for (int q = 0; q < 4; q++) { /* the floor's quarters, seen from below the plate's edge */
+        struct rng rng = rng_make(3, 0, 0, 0);
+        const vec3 at = vec3_make(.25f + .5f * (float)(q % 2), .25f + .5f * (float)(q / 2), .5f);
+        const struct ray ray = {at, vec3_make(0, 0, -1), INFINITY, 0, 0};
+        struct wave_starts starts;
+        struct wave wave;
+        rgb radiance;
+        wave_begin(stage, 1, &ray, &rng, &starts);
+        wave_init(&wave, stage, UINT32_MAX, NULL, &radiance);
+        wave_put(&wave, 1, &starts, &rng, 0);
+        wave_finish(&wave);
+        good &= fabs((double)radiance[0] - (q == 0 || q == 3)) < 1e-5;
+    }
+    ok(good, "shadows of a checker of holes have its holes");
+    scenes_release(&s);
+}
+
+static void leaves_keep_energy(void)
+{
+    static const float bright[] = {.9f, .5f, .25f};
+    struct scenes s;
+    scenes_init(&s, 8, 8);
+    const uint32_t m = scenes_material(&s, (struct material){.kind = MATERIAL_LEAF});
+    struct material *leaf = &s.scene.materials[m];
+    const struct texture *t = textures_image(&s, IMAGE_DEPTH_FLOAT, 1, 1, 3, bright);
+    textures_drive(&s, &leaf->leaf.reflectance, true, t);
+    textures_drive(&s, &leaf->leaf.transmittance, true, t);
+    scenes_sphere(&s, m, vec3_make(0, 0, -3), 1);
+    const struct stage *stage = scenes_stage(&s);
+    struct material scratch;
+    const struct texture_point at = {.5f, .5f, 0, {0}};
+    const struct material *got =
+        textured_material(stage, stage_at(stage, stage->materials), &at, &scratch);
+    const rgb sum = got->leaf.reflectance + got->leaf.transmittance;
+    ok(fabsf(sum[0] - 1) < 1e-6f && sum[1] == 1 && sum[2] == .5f &&
+           got->leaf.reflectance[0] == got->leaf.transmittance[0],
+       "what a leaf reflects and lets through is at most 1 together");
+    scenes_release(&s);
+}
+
+/* The document in which every parameter of every material is textured. */
+static void everything_at_once(void)
+{
+    struct local l;
+    struct film film;
+    local_open(&l, "tests/textured.json");
+    const struct scene *scene = &l.disk.scene;
+    uint32_t bare = 0, bad = 0, bright = 0;
+    for (uint32_t i = 0; i < scene->material_count; i++)
+        bare += !textured_has(&scene->materials[i]);
+    local_render(&l, 8, 1, &film);
+    for (size_t i = 0; i < (size_t)64 * 3; i++) {
+        bad += !(film.sum[i] >= 0 && film.sum[i] < 1e6);
+        bright += film.sum[i] > 1.03 * 16;
+    }
+    ok(scene->material_count == 13 && bare == 0 && scene->slot_count == 32,
+       "all parameters of all materials are textured: %u slots", scene->slot_count);
+    ok(bad == 0 && bright == 0, "and in a furnace none returns more than it gets (%u, %u)", bad,
+       bright);
+    film_release(&film);
+    local_release(&l);
+}
+
 static void orientation(void)
 {
     static const unsigned char rows[] = {255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255};
@@ -216,6 +329,10 @@ int main(void)
     constants();
     means_are_right();
     mirrors_keep_the_footprint();
+    mixes_and_masks();
+    shadows_have_holes();
+    leaves_keep_energy();
+    everything_at_once();
     orientation();
     return tap_done();
 }

@@ -15,7 +15,8 @@ static rgb albedo(const struct stage *s, const struct path_vertex *v, const stru
 {
     const struct material *m = v->material;
     if (s->wrapped)
-        m = material_at(s, v->at.material, v->wo[2] < 0, rng_single(rng, rng_dimension_choice(0)));
+        m = material_at(s, &(struct material_side){v->at.material, v->wo[2] < 0, &v->point},
+                        rng_single(rng, rng_dimension_choice(0)));
     struct material textured;
     m = textured_material(s, m, &v->point, &textured);
     const struct square direction = rng_pair(rng, rng_dimension(0, RNG_BSDF_DIRECTION));

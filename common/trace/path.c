@@ -56,29 +56,17 @@ float path_lit(const struct stage *s, const struct material *m, float up)
     return up < 0 ? -1 : 1;
 }
 
-/* Where textures are looked at for a vertex. */
-__attribute__((noinline)) static void find_point(const struct stage *s, const struct ray *ray,
-                                                 const struct ray_hit *hit, float width,
-                                                 struct path_vertex *v)
-{
-    const struct stage_detail *d = surface_detail_of(s, hit->prim, hit->instance);
-    const struct surface_detail detail = surface_detail_at(s, d, hit, &v->at);
-    v->point = textured_point(&detail, v->at.ng, ray->dir, width);
-}
-
 struct path_vertex path_vertex_make(const struct stage *s, const struct ray *ray,
                                     const struct ray_hit *hit, float width)
 {
-    const struct surface at = surface_at(s, ray, hit);
-    const struct warp_frame frame = warp_frame_make(at.ng);
-    struct path_vertex v = {
-        .at = at,
-        .frame = frame,
-        .material = (const struct material *)stage_at(s, s->materials) + at.material,
-        .wo = warp_to_local(&frame, -ray->dir),
-    };
+    struct path_vertex v; /* its point stays unset when nothing is textured */
+    v.at = surface_at(s, ray, hit);
+    v.frame = warp_frame_make(v.at.ng);
+    v.material = (const struct material *)stage_at(s, s->materials) + v.at.material;
+    v.wo = warp_to_local(&v.frame, -ray->dir);
+    v.raised.is = false;
     if (s->slots.count && textured_needs(v.material))
-        find_point(s, ray, hit, width, &v);
+        v.point = textured_point(s, ray, hit, &v.at, width);
     if (s->details.count)
         path_shade(s, ray, hit, &v);
     v.at.lit = path_lit(s, v.material, v.wo[2]);

@@ -23,12 +23,14 @@ static inline bool textured_needs(const struct material *m)
     return m->needs & (MATERIAL_NEEDS_UV | MATERIAL_NEEDS_COLOR);
 }
 
-/* The point of a texture at a surface; width: of the ray's cone there, in m, across dir, unit.
+/* Where textures are looked at for what a ray has hit: a shape whose material needs it. width: of
+ * the ray's cone there, in m (cone.h).
  *
  * The footprint's area is that of the cone's square put onto the surface. Where the surface is seen
  * at a slant it is long, and the filter is round: of the same area it blurs less along the short
  * side than one as wide as the long side would. */
-struct texture_point textured_point(const struct surface_detail *, vec3 ng, vec3 dir, float width);
+struct texture_point textured_point(const struct stage *, const struct ray *,
+                                    const struct ray_hit *, const struct surface *at, float width);
 
 /* m, or scratch. */
 const struct material *textured_material(const struct stage *, const struct material *m,

@@ -21,16 +21,19 @@ static inline uint32_t lowest(uint32_t lanes)
 static struct path_vertex vertex_of_lane(const struct stage *s, const struct path8_vertex *v,
                                          uint32_t i)
 {
-    const vec3 ng = vec8_lane(&v->at.ng, i), wo = vec8_lane(&v->wo, i);
-    const struct material *m = (const struct material *)stage_at(s, s->materials) + v->material[i];
-    const struct surface at = {.p = vec8_lane(&v->at.p, i),
-                               .p_error = vec8_lane(&v->at.p_error, i),
-                               .ng = ng,
-                               .prim = v->at.prim[i],
-                               .material = v->material[i],
-                               .emitter = v->emitter[i],
-                               .lit = path_lit(s, m, wo[2])};
-    return (struct path_vertex){.at = at, .frame = warp_frame_make(ng), .material = m, .wo = wo};
+    struct path_vertex out; /* its point stays unset: plain vertices have no textures */
+    out.at = (struct surface){.p = vec8_lane(&v->at.p, i),
+                              .p_error = vec8_lane(&v->at.p_error, i),
+                              .ng = vec8_lane(&v->at.ng, i),
+                              .prim = v->at.prim[i],
+                              .material = v->material[i],
+                              .emitter = v->emitter[i]};
+    out.frame = warp_frame_make(out.at.ng);
+    out.material = (const struct material *)stage_at(s, s->materials) + v->material[i];
+    out.wo = vec8_lane(&v->wo, i);
+    out.raised.is = false;
+    out.at.lit = path_lit(s, out.material, out.wo[2]);
+    return out;
 }
 
 static struct path path_of_lane(const struct wave *w, uint32_t i)
@@ -91,10 +94,9 @@ void wave_begin(const struct stage *s, uint32_t which, const struct ray rays[],
     starts->met = found;
     starts->ends = s->settings.max_bounces == 0 ? which : which & ~found;
     starts->plain = s->media ? 0 : path8_arrive(s, found, rays, hits, &starts->lanes);
-    for (uint32_t i = 0; i < WAVE_LANES; i++)
-        starts->cones[i] = (struct cone){s->cone_width, s->cone_spread};
     for (uint32_t left = s->pyramids.count ? found : 0; left; left &= left - 1)
-        starts->cones[lowest(left)].width += s->cone_spread * hits[lowest(left)].t;
+        starts->cones[lowest(left)] =
+            cone_along((struct cone){s->cone_width, s->cone_spread}, hits[lowest(left)].t);
     for (uint32_t left = which; left; left &= left - 1) {
         const uint32_t i = lowest(left), bit = 1u << i;
         if (s->media) {
@@ -128,8 +130,10 @@ static void choose_materials(struct wave *w)
     for (uint32_t left = w->going & ~w->plain; left; left &= left - 1) {
         const uint32_t i = lowest(left);
         struct path_vertex *v = &w->paths[i].vertex;
-        if (v->material == &materials[v->at.material])
-            v->material = material_at(w->stage, v->at.material, v->wo[2] < 0, number[i]);
+        if (v->material == &materials[v->at.material]) {
+            const struct material_side side = {v->at.material, v->wo[2] < 0, &v->point};
+            v->material = material_at(w->stage, &side, number[i]);
+        }
     }
 }
 
@@ -411,14 +415,6 @@ static void begin_paths(struct wave *w, uint32_t lanes, const struct wave_starts
     }
 }
 
-/* Those of which nothing else comes. */
-static void end_paths(struct wave *w, uint32_t which, const struct wave_starts *starts,
-                      uint32_t number)
-{
-    for (; which; which &= which - 1)
-        w->radiance[number + lowest(which)] = starts->light[lowest(which)];
-}
-
 /* In a scene with media the light of the camera ray itself is the path's. False: it ends with it.
  */
 static bool begin_in_media(struct wave *w, uint32_t i, const struct wave_starts *starts, uint32_t k,
@@ -471,7 +467,8 @@ void wave_put(struct wave *w, uint32_t which, const struct wave_starts *starts,
         const uint32_t i = lowest(left);
         note_terms(w->terms, 0, starts->ends >> i & 1, number + i, starts->light[i]);
     }
-    end_paths(w, which & starts->ends, starts, number);
+    for (uint32_t left = which & starts->ends; left; left &= left - 1)
+        w->radiance[number + lowest(left)] = starts->light[lowest(left)];
     which &= ~starts->ends;
     while (which) {
         const uint32_t all = (1u << WAVE_LANES) - 1;
