@@ -9,6 +9,7 @@
 #include "common/trace/prep_plan.h"
 
 #include <float.h>
+#include <string.h>
 
 #include "common/trace/cylinder.h"
 #include "common/trace/simd.h"
@@ -357,10 +358,21 @@ static uint32_t make_node(struct maker *m, const struct group *of, uint32_t pare
 
 /* A node has eight children, or two or more that all are leaves: so there are n / 2 + n / 7 nodes
  * at most. */
+/* The largest that is not above x > 0. Dividing by it rounds nothing: the bounds of a scene whose
+ * meshes are shared are a little wider than those of its copy, and both want the same tree. */
+static double power_of_two(double x)
+{
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    bits &= (uint64_t)0x7ff << 52;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
 void prep_light_tree(struct prep_plan *p, double radius, struct arena *scratch)
 {
     const uint32_t count = p->head.far_begin;
-    struct maker m = {.plan = p, .scale = radius > 0 ? radius * radius : 1};
+    struct maker m = {.plan = p, .scale = radius > 0 ? power_of_two(radius * radius) : 1};
     make_items(&m, scratch);
     const size_t most = (size_t)count / 2 + count / 7 + 2;
     p->light_nodes = arena_alloc(scratch, most, sizeof *p->light_nodes, STAGE_ALIGN);
