@@ -94,10 +94,12 @@ enum material_kind {
     MATERIAL_RETROREFLECTOR,
     MATERIAL_LEAF,
     MATERIAL_PLASTIC,
+    MATERIAL_PRINCIPLED,
     MATERIAL_CLOTH,
     MATERIAL_MIX,
     MATERIAL_MASK,
     MATERIAL_TWO_SIDED,
+    MATERIAL_PANE,
     /* From here on without a name in documents. */
     MATERIAL_METAL, /* a "conductor" that asks for more than MATERIAL_CONDUCTOR has */
 };
@@ -109,10 +111,33 @@ enum material_needs {
     MATERIAL_NEEDS_COLOR = 4,   /* the mesh's vertex colours */
 };
 
+struct thin_film {
+    float thickness_nm; /* [0, 2000]; 0: there is none */
+    float ior;          /* above 1, at most 4 */
+};
+
 /* What lies behind the surface of a dielectric. */
 struct inside {
     rgb absorption;    /* 1/m, [0, 1e9] */
     uint32_t priority; /* where bodies overlap, the highest counts; 0: none given */
+};
+
+enum material_channel { /* of a texture, as a number */
+    MATERIAL_CHANNEL_LUMINANCE,
+    MATERIAL_CHANNEL_R,
+    MATERIAL_CHANNEL_G,
+    MATERIAL_CHANNEL_B,
+    MATERIAL_CHANNEL_A,
+};
+
+/* A member of a material that a texture drives. */
+struct material_slot {
+    uint32_t texture; /* index into scene.textures */
+    uint32_t member;  /* its offset in struct material */
+    uint32_t is_rgb;  /* 1: an rgb; 0: a float */
+    enum material_channel channel; /* of a float */
+    float lo, hi;     /* the member's range, in which the value is kept */
+    float scale[3];   /* times the texture's value; of a float: scale[0] */
 };
 
 struct material {
@@ -120,6 +145,8 @@ struct material {
     enum material_kind kind;
     uint32_t needs; /* enum material_needs, or-ed */
     struct inside inside;
+    uint32_t slot_begin, slot_end; /* of scene.slots. The members they drive hold what the texture's
+                                    * value 1 would make of them */
     union {
         struct {
             rgb albedo; /* [0, 1] */
@@ -155,6 +182,14 @@ struct material {
             rgb albedo, color; /* of the base, of the fibres; [0, 1] */
             float roughness;   /* of the fibres, [0.1, 1] */
         } cloth;
+        struct { /* all in [0, 1] but ior */
+            rgb base_color, sheen_color;
+            float metallic, roughness; /* roughness^2 is the GGX width */
+            float ior;                 /* [1.1, 3] */
+            float transmission;        /* of what is not metal */
+            float clearcoat, clearcoat_roughness;
+            float sheen_roughness; /* [0.1, 1] */
+        } principled;
         struct {
             uint32_t first, second; /* indices into scene.materials */
             float amount;           /* of the second, [0, 1] */
@@ -167,10 +202,14 @@ struct material {
             uint32_t front, back; /* both opaque */
         } two_sided;
         struct {
+            float ior; /* of glass, over that around it, [1, 4] */
+        } pane;
+        struct {
             rgb eta, k;              /* as a conductor's */
             float alpha_x, alpha_y;  /* GGX width along the x axis of the local frame and across */
             float turn_cos, turn_sin; /* of the angle by which these are turned about the normal */
             bool multiscatter;       /* light that meets several facets is added */
+            struct thin_film film;
         } metal;
     };
 };
@@ -194,7 +233,7 @@ struct image_asset {
                                    * from the top; alpha is not multiplied in */
 };
 
-enum texture_kind { TEXTURE_IMAGE };
+enum texture_kind { TEXTURE_IMAGE, TEXTURE_CHECKER, TEXTURE_VERTEX_COLOR };
 enum texture_space { TEXTURE_SRGB, TEXTURE_LINEAR }; /* of the whole numbers of an image */
 enum texture_wrap { TEXTURE_REPEAT, TEXTURE_CLAMP, TEXTURE_MIRROR };
 enum texture_filter { TEXTURE_TRILINEAR, TEXTURE_BILINEAR, TEXTURE_NEAREST };
@@ -202,6 +241,7 @@ enum texture_filter { TEXTURE_TRILINEAR, TEXTURE_BILINEAR, TEXTURE_NEAREST };
 struct texture {
     const char *name;
     enum texture_kind kind;
+    float uv_scale[2], uv_offset[2]; /* it is looked at in uv times scale plus offset */
     union {
         struct {
             uint32_t image; /* index into scene.images */
@@ -209,6 +249,9 @@ struct texture {
             enum texture_wrap wrap;
             enum texture_filter filter;
         } image;
+        struct {
+            rgb colors[2]; /* of squares of side 1: of the one at the origin, of its neighbours */
+        } checker;
     };
 };
 
@@ -264,7 +307,14 @@ struct shape {
     };
 };
 
-enum light_kind { LIGHT_SKY, LIGHT_POINT, LIGHT_DISTANT, LIGHT_SPOT, LIGHT_SUN };
+enum light_kind {
+    LIGHT_SKY,
+    LIGHT_POINT,
+    LIGHT_DISTANT,
+    LIGHT_SPOT,
+    LIGHT_SUN,
+    LIGHT_ENVIRONMENT,
+};
 
 struct light {
     enum light_kind kind;
@@ -291,10 +341,20 @@ struct light {
             rgb radiance, irradiance; /* one is given, the other 0; irradiance of a surface that
                                        * faces it */
         } sun;
+        struct {             /* an image of the whole sphere by longitude and latitude */
+            uint32_t image;  /* index into scene.images; OpenEXR */
+            rgb scale;       /* radiance of a pixel value of 1 */
+            struct xform to_world; /* a rotation; not turned, -z is the image's middle, y its top */
+        } environment;
     };
 };
 
-enum integrator_kind { INTEGRATOR_PATH };
+enum integrator_kind { INTEGRATOR_PATH, INTEGRATOR_DIRECT, INTEGRATOR_WHITTED };
+
+/* How light that lights and surfaces can both find is looked for. */
+enum strategy_kind { STRATEGY_MIS, STRATEGY_LIGHT, STRATEGY_BSDF };
+
+enum sampler_kind { SAMPLER_SOBOL, SAMPLER_INDEPENDENT, SAMPLER_STRATIFIED };
 
 struct scene_target {  /* the first one reached ends the job; at least one is set */
     double error;      /* relative error of the image (estimate.h), 0: not set */
@@ -305,6 +365,8 @@ struct scene_target {  /* the first one reached ends the job; at least one is se
 
 struct scene_settings {
     enum integrator_kind integrator;
+    enum strategy_kind strategy;
+    enum sampler_kind sampler;
     uint32_t max_bounces; /* scattering events per path; 0 shows emission alone. Default 64 */
     uint64_t seed;        /* default 0; [0, 2^53 - 1]: JSON carries it exactly */
     struct scene_target target;
@@ -321,7 +383,9 @@ struct scene {
     struct light *lights;
     struct texture *textures;
     struct image_asset *images;
+    struct material_slot *slots; /* of all materials */
     uint32_t material_count, shape_count, mesh_count, light_count, texture_count, image_count;
+    uint32_t slot_count;
 };
 
 /* What is wrong with a document: all of it at once, in document order. */

@@ -60,3 +60,25 @@ void scene_coat_cloth(const struct scene_params *p, struct material *m)
     scene_param_rgb(p, "color", fraction, &m->cloth.color);
     scene_param_number(p, "roughness", fibres, &m->cloth.roughness);
 }
+
+void scene_coat_principled(const struct scene_params *p, struct material *m)
+{
+    static const struct scene_key keys[] = {{"type", true},         {"base_color", true},
+                                            {"metallic", false},    {"roughness", false},
+                                            {"ior", false},         {"transmission", false},
+                                            {"clearcoat", false},   {"clearcoat_roughness", false},
+                                            {"sheen_color", false}, {"sheen_roughness", false}};
+    m->principled.roughness = 0.5f;
+    m->principled.ior = 1.5f;
+    m->principled.sheen_roughness = 0.3f;
+    scene_params_of(p, "a principled material", keys, countof(keys));
+    scene_param_rgb(p, "base_color", fraction, &m->principled.base_color);
+    scene_param_number(p, "metallic", fraction, &m->principled.metallic);
+    scene_param_number(p, "roughness", fraction, &m->principled.roughness);
+    scene_param_number(p, "ior", coat_ior, &m->principled.ior);
+    scene_param_number(p, "transmission", fraction, &m->principled.transmission);
+    scene_param_number(p, "clearcoat", fraction, &m->principled.clearcoat);
+    scene_param_number(p, "clearcoat_roughness", fraction, &m->principled.clearcoat_roughness);
+    scene_param_rgb(p, "sheen_color", fraction, &m->principled.sheen_color);
+    scene_param_number(p, "sheen_roughness", fibres, &m->principled.sheen_roughness);
+}

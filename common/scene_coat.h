@@ -11,5 +11,6 @@ void scene_coat_retroreflector(const struct scene_params *, struct material *);
 void scene_coat_leaf(const struct scene_params *, struct material *);
 void scene_coat_plastic(const struct scene_params *, struct material *);
 void scene_coat_cloth(const struct scene_params *, struct material *);
+void scene_coat_principled(const struct scene_params *, struct material *);
 
 #endif

@@ -135,7 +135,12 @@ const char *scene_disk_send(const struct scene_disk *d, struct arena *arena)
     for (uint32_t i = 0; i < scene->texture_count; i++)
         if (scene->textures[i].kind == TEXTURE_IMAGE)
             memcpy(textures[i], images[scene->textures[i].image.image].hex, HASH_HEX);
+    hex_name *lights = hex_names(scene->light_count, arena);
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        if (scene->lights[i].kind == LIGHT_ENVIRONMENT)
+            memcpy(lights[i], images[scene->lights[i].environment.image].hex, HASH_HEX);
     const struct scene_hashes hashes = {.textures = (const hex_name *)textures,
-                                        .shapes = (const hex_name *)shapes};
+                                        .shapes = (const hex_name *)shapes,
+                                        .lights = (const hex_name *)lights};
     return scene_name_assets(d->json, d->json_bytes, &hashes, arena);
 }

@@ -74,13 +74,38 @@ static void read_sun(struct scene_doc *doc, const struct scene_at *at, struct li
     l->sun.radius_rad = (float)(diameter / 2 * radians);
 }
 
-static void read_light(struct scene_doc *doc, const struct scene_at *at, struct light *l)
+static void read_environment(struct scene_doc *doc, const struct scene_at *at, struct scene *scene,
+                             struct light *l)
 {
-    static const char *const kinds[] = {[LIGHT_SKY] = "sky",
-                                        [LIGHT_POINT] = "point",
-                                        [LIGHT_DISTANT] = "distant",
-                                        [LIGHT_SPOT] = "spot",
-                                        [LIGHT_SUN] = "sun"};
+    static const struct scene_key keys[] = {{"type", true},   {"file", false},
+                                            {"asset", false}, {"format", false},
+                                            {"scale", false}, {"transform", false}};
+    struct scene_xform x = scene_xform_identity();
+    struct scene_at member;
+    struct err err;
+    scene_doc_object(doc, at, "an environment", keys, countof(keys));
+    if (scene_read_image(doc, at, "an environment", scene, &l->environment.image) &&
+        scene->images[l->environment.image].format != IMAGE_FORMAT_EXR &&
+        (scene_at_member(at, "file", &member) || scene_at_member(at, "format", &member)))
+        scene_doc_expected(doc, &member, ERR_INPUT, "an OpenEXR image");
+    l->environment.scale = rgb_gray(1);
+    scene_key_rgb(doc, at, "scale", brightness, &l->environment.scale);
+    if (scene_at_member(at, "transform", &member) && scene_read_transform(doc, &member, &x)) {
+        if (!scene_check_rigid(&x, &err))
+            scene_doc_fault(doc, &member, err.code, "%s", err.text);
+        else if (x.m[0][3] != 0 || x.m[1][3] != 0 || x.m[2][3] != 0)
+            scene_doc_fault(doc, &member, ERR_INPUT,
+                            "expected a rotation, got one that moves: an environment is far away");
+    }
+    l->environment.to_world = scene_xform_round(&x);
+}
+
+static void read_light(struct scene_doc *doc, const struct scene_at *at, struct scene *scene,
+                       struct light *l)
+{
+    static const char *const kinds[] = {
+        [LIGHT_SKY] = "sky",   [LIGHT_POINT] = "point", [LIGHT_DISTANT] = "distant",
+        [LIGHT_SPOT] = "spot", [LIGHT_SUN] = "sun",     [LIGHT_ENVIRONMENT] = "environment"};
     static const struct scene_key sky[] = {{"type", true}, {"radiance", true}};
     static const struct scene_key point[] = {
         {"type", true}, {"position", true}, {"intensity", true}};
@@ -111,6 +136,24 @@ static void read_light(struct scene_doc *doc, const struct scene_at *at, struct 
     case LIGHT_SUN:
         read_sun(doc, at, l);
         return;
+    case LIGHT_ENVIRONMENT:
+        read_environment(doc, at, scene, l);
+        return;
+    }
+}
+
+/* One is enough for anything, and each may be a gigabyte. */
+static void check_environments(struct scene_doc *doc, const struct scene_at *at,
+                               const struct scene *scene)
+{
+    bool has = false;
+    for (uint32_t i = 0; i < scene->light_count; i++) {
+        if (scene->lights[i].kind != LIGHT_ENVIRONMENT)
+            continue;
+        const struct scene_at item = scene_at_item(at, i);
+        if (has)
+            scene_doc_fault(doc, &item, ERR_LIMIT, "expected one environment at most");
+        has = true;
     }
 }
 
@@ -123,6 +166,7 @@ void scene_read_lights(struct scene_doc *doc, const struct scene_at *at, struct 
     scene->light_count = (uint32_t)count;
     for (size_t i = 0; i < count; i++) {
         const struct scene_at item = scene_at_item(at, i);
-        read_light(doc, &item, &scene->lights[i]);
+        read_light(doc, &item, scene, &scene->lights[i]);
     }
+    check_environments(doc, at, scene);
 }

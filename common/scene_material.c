@@ -32,56 +32,64 @@ static const char *const material_names[] = {
     [MATERIAL_RETROREFLECTOR] = "retroreflector",
     [MATERIAL_LEAF] = "leaf",
     [MATERIAL_PLASTIC] = "plastic",
+    [MATERIAL_PRINCIPLED] = "principled",
     [MATERIAL_CLOTH] = "cloth",
     [MATERIAL_MIX] = "mix",
     [MATERIAL_MASK] = "mask",
     [MATERIAL_TWO_SIDED] = "two_sided",
+    [MATERIAL_PANE] = "thin_dielectric",
 };
 _Static_assert(countof(material_names) == MATERIAL_METAL, "kinds that have no name come last");
 
-static void read_material(struct scene_doc *doc, const struct scene_at *at, struct material *m)
+static void read_material(const struct scene_params *p, struct material *m)
 {
     size_t kind;
-    if (!scene_doc_kind(doc, at, "a material", material_names, countof(material_names), &kind))
+    if (!scene_doc_kind(p->doc, p->at, "a material", material_names, countof(material_names),
+                        &kind))
         return;
     m->kind = (enum material_kind)kind;
-    const struct scene_params p = {doc, at};
     switch (m->kind) {
     case MATERIAL_DIFFUSE:
-        read_diffuse(&p, m);
+        read_diffuse(p, m);
         return;
     case MATERIAL_MIRROR:
-        read_mirror(&p, m);
+        read_mirror(p, m);
         return;
     case MATERIAL_DIELECTRIC:
-        scene_specular_dielectric(&p, m);
+        scene_specular_dielectric(p, m);
         return;
     case MATERIAL_CONDUCTOR:
-        scene_specular_conductor(&p, m);
+        scene_specular_conductor(p, m);
         return;
     case MATERIAL_ROUGH_DIFFUSE:
-        scene_coat_rough_diffuse(&p, m);
+        scene_coat_rough_diffuse(p, m);
         return;
     case MATERIAL_RETROREFLECTOR:
-        scene_coat_retroreflector(&p, m);
+        scene_coat_retroreflector(p, m);
         return;
     case MATERIAL_LEAF:
-        scene_coat_leaf(&p, m);
+        scene_coat_leaf(p, m);
         return;
     case MATERIAL_PLASTIC:
-        scene_coat_plastic(&p, m);
+        scene_coat_plastic(p, m);
+        return;
+    case MATERIAL_PRINCIPLED:
+        scene_coat_principled(p, m);
         return;
     case MATERIAL_CLOTH:
-        scene_coat_cloth(&p, m);
+        scene_coat_cloth(p, m);
         return;
     case MATERIAL_MIX:
-        scene_wrap_mix(&p, m);
+        scene_wrap_mix(p, m);
         return;
     case MATERIAL_MASK:
-        scene_wrap_mask(&p, m);
+        scene_wrap_mask(p, m);
         return;
     case MATERIAL_TWO_SIDED:
-        scene_wrap_two_sided(&p, m);
+        scene_wrap_two_sided(p, m);
+        return;
+    case MATERIAL_PANE:
+        scene_specular_pane(p, m);
         return;
     case MATERIAL_METAL:
         break;
@@ -89,7 +97,7 @@ static void read_material(struct scene_doc *doc, const struct scene_at *at, stru
 }
 
 struct scene_names scene_read_materials(struct scene_doc *doc, const struct scene_at *at,
-                                        struct scene *scene)
+                                        const struct scene_names *textures, struct scene *scene)
 {
     struct scene_names names = {.one = "material"};
     if (!scene_names_open(doc, at, SCENE_MAX_MATERIALS, &names))
@@ -98,8 +106,12 @@ struct scene_names scene_read_materials(struct scene_doc *doc, const struct scen
     scene->material_count = names.count;
     struct scene_at member = {0};
     for (uint32_t i = 0; scene_at_next(at, &member); i++) {
-        scene->materials[i].name = scene_names_take(doc, &member, &names, i);
-        read_material(doc, &member, &scene->materials[i]);
+        struct material *m = &scene->materials[i];
+        m->name = scene_names_take(doc, &member, &names, i);
+        const uint32_t slot_begin = scene->slot_count;
+        read_material(&(struct scene_params){doc, &member, scene, textures, m}, m);
+        m->slot_begin = slot_begin;
+        m->slot_end = scene->slot_count;
     }
     scene_names_close(&names);
     scene_wrap_bind(doc, at, &names, scene);

@@ -100,18 +100,42 @@ static void read_target(struct scene_doc *doc, const struct scene_at *at, struct
     out->spp = (uint32_t)spp;
 }
 
+static void read_method(struct scene_doc *doc, const struct scene_at *at,
+                        struct scene_settings *out)
+{
+    static const char *const integrators[] = {[INTEGRATOR_PATH] = "path",
+                                              [INTEGRATOR_DIRECT] = "direct",
+                                              [INTEGRATOR_WHITTED] = "whitted"};
+    static const char *const strategies[] = {
+        [STRATEGY_MIS] = "mis", [STRATEGY_LIGHT] = "light", [STRATEGY_BSDF] = "bsdf"};
+    static const char *const samplers[] = {[SAMPLER_SOBOL] = "sobol",
+                                           [SAMPLER_INDEPENDENT] = "independent",
+                                           [SAMPLER_STRATIFIED] = "stratified"};
+    struct scene_at member;
+    size_t integrator = INTEGRATOR_PATH, strategy = STRATEGY_MIS, sampler = SAMPLER_SOBOL;
+    if (scene_at_member(at, "integrator", &member))
+        scene_doc_choice(doc, &member, integrators, countof(integrators), &integrator);
+    if (scene_at_member(at, "sampler", &member))
+        scene_doc_choice(doc, &member, samplers, countof(samplers), &sampler);
+    if (scene_at_member(at, "strategy", &member) &&
+        scene_doc_choice(doc, &member, strategies, countof(strategies), &strategy) &&
+        integrator == INTEGRATOR_WHITTED && strategy != STRATEGY_LIGHT)
+        scene_doc_expected(doc, &member, ERR_INPUT, "\"light\" (\"whitted\" has no other)");
+    out->integrator = (enum integrator_kind)integrator;
+    out->strategy = (enum strategy_kind)strategy;
+    out->sampler = (enum sampler_kind)sampler;
+}
+
 static void read_settings(struct scene_doc *doc, const struct scene_at *at,
                           struct scene_settings *out)
 {
-    static const char *const integrators[] = {[INTEGRATOR_PATH] = "path"};
-    static const struct scene_key keys[] = {
-        {"integrator", false}, {"max_bounces", false}, {"seed", false}, {"target", false}};
+    static const struct scene_key keys[] = {{"integrator", false}, {"strategy", false},
+                                            {"sampler", false},    {"max_bounces", false},
+                                            {"seed", false},       {"target", false}};
     struct scene_at member;
-    size_t integrator = INTEGRATOR_PATH;
     uint64_t bounces = out->max_bounces;
     scene_doc_object(doc, at, "the settings", keys, countof(keys));
-    if (scene_at_member(at, "integrator", &member))
-        scene_doc_choice(doc, &member, integrators, countof(integrators), &integrator);
+    read_method(doc, at, out);
     scene_key_integer(doc, at, "max_bounces", (struct scene_range){0, SCENE_MAX_BOUNCES, true},
                       &bounces);
     /* To 2^53 - 1: beyond, two whole numbers may read as one. */
@@ -119,7 +143,6 @@ static void read_settings(struct scene_doc *doc, const struct scene_at *at,
                       &out->seed);
     if (scene_at_member(at, "target", &member))
         read_target(doc, &member, &out->target);
-    out->integrator = (enum integrator_kind)integrator;
     out->max_bounces = (uint32_t)bounces;
 }
 
@@ -144,7 +167,7 @@ void scene_read(struct scene_doc *doc, const struct scene_at *whole, struct scen
     scene_doc_object(doc, whole, "the document", keys, countof(keys));
     read_version(doc, whole);
     struct scene_at at;
-    struct scene_names names = {0};
+    struct scene_names names = {0}, textures = {.one = "texture", .known = true};
     if (scene_at_member(whole, "title", &at))
         scene_doc_text(doc, &at, 0, SCENE_MAX_NAME, &scene->title);
     if (scene_at_member(whole, "film", &at))
@@ -152,9 +175,9 @@ void scene_read(struct scene_doc *doc, const struct scene_at *whole, struct scen
     if (scene_at_member(whole, "camera", &at))
         scene_read_camera(doc, &at, &scene->camera);
     if (scene_at_member(whole, "textures", &at))
-        scene_read_textures(doc, &at, scene);
+        textures = scene_read_textures(doc, &at, scene);
     if (scene_at_member(whole, "materials", &at))
-        names = scene_read_materials(doc, &at, scene);
+        names = scene_read_materials(doc, &at, &textures, scene);
     if (scene_at_member(whole, "shapes", &at))
         scene_read_shapes(doc, &at, &names, scene);
     if (scene_at_member(whole, "lights", &at))

@@ -13,7 +13,7 @@ void scene_read(struct scene_doc *, const struct scene_at *whole, struct scene *
 
 struct scene_names scene_read_textures(struct scene_doc *, const struct scene_at *, struct scene *);
 struct scene_names scene_read_materials(struct scene_doc *, const struct scene_at *,
-                                        struct scene *);
+                                        const struct scene_names *textures, struct scene *);
 void scene_read_shapes(struct scene_doc *, const struct scene_at *, const struct scene_names *,
                        struct scene *);
 void scene_read_filter(struct scene_doc *, const struct scene_at *, struct scene_film *);

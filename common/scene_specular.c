@@ -5,6 +5,12 @@
 
 static const struct scene_range fraction = {0, 1, false};
 
+_Static_assert(offsetof(struct material, conductor.eta) == offsetof(struct material, metal.eta) &&
+                   offsetof(struct material, conductor.k) == offsetof(struct material, metal.k) &&
+                   offsetof(struct material, conductor.alpha) ==
+                       offsetof(struct material, metal.alpha_x),
+               "a conductor begins like a metal");
+
 /* --- metals by name --- */
 
 /* Index of refraction eta + i k in the bands of the three channels. Measured:
@@ -71,17 +77,34 @@ static void read_flag(const struct scene_params *p, const char *key, bool *out)
         scene_doc_expected(p->doc, &at, ERR_INPUT, "true or false");
 }
 
-/* Two widths, one along the tangent and one across: whether they are given as two. */
-static bool read_widths(const struct scene_params *p, float widths[2])
+/* One width, or one along the tangent and one across. */
+static void read_widths(const struct scene_params *p, struct material *m)
 {
     struct scene_at at;
-    double both[2] = {0, 0};
-    if (!scene_at_member(p->at, "alpha", &at) || scene_at_type(&at) != SCENE_ARRAY)
-        return false;
-    scene_doc_numbers(p->doc, &at, fraction, both, 2);
-    widths[0] = (float)both[0];
-    widths[1] = (float)both[1];
-    return true;
+    double both[2];
+    if (!scene_at_member(p->at, "alpha", &at))
+        return;
+    if (scene_at_type(&at) != SCENE_ARRAY) {
+        scene_param_both(p, "alpha", fraction, &m->metal.alpha_x, &m->metal.alpha_y);
+    } else if (scene_doc_numbers(p->doc, &at, fraction, both, 2)) {
+        m->metal.alpha_x = (float)both[0];
+        m->metal.alpha_y = (float)both[1];
+    }
+}
+
+/* Of an index of 1 there is none. */
+static void read_film(const struct scene_params *p, struct thin_film *film)
+{
+    static const struct scene_key keys[] = {{"thickness_nm", true}, {"ior", true}};
+    struct scene_at at;
+    double thickness = 0, ior = 1;
+    if (!scene_at_member(p->at, "thin_film", &at) ||
+        !scene_doc_object(p->doc, &at, "a thin film", keys, countof(keys)))
+        return;
+    scene_key_number(p->doc, &at, "thickness_nm", (struct scene_range){0, 2000, false}, &thickness);
+    scene_key_number(p->doc, &at, "ior", (struct scene_range){1, 4, false}, &ior);
+    film->ior = (float)ior;
+    film->thickness_nm = film->ior > 1 ? (float)thickness : 0;
 }
 
 static void read_turn(const struct scene_params *p, float *cos, float *sin)
@@ -114,6 +137,14 @@ void scene_specular_dielectric(const struct scene_params *p, struct material *m)
     m->inside.priority = (uint32_t)priority;
 }
 
+void scene_specular_pane(const struct scene_params *p, struct material *m)
+{
+    static const struct scene_key keys[] = {{"type", true}, {"ior", true}};
+    m->pane.ior = 1;
+    scene_params_of(p, "a thin_dielectric material", keys, countof(keys));
+    scene_param_number(p, "ior", (struct scene_range){1, 4, false}, &m->pane.ior);
+}
+
 static void read_constants(const struct scene_params *p, rgb *eta, rgb *k)
 {
     struct scene_at name;
@@ -128,32 +159,18 @@ void scene_specular_conductor(const struct scene_params *p, struct material *m)
     struct scene_at name;
     const bool named = scene_at_member(p->at, "metal", &name);
     const struct scene_key keys[] = {
-        {"type", true},  {"metal", false},        {"eta", !named},        {"k", !named},
-        {"alpha", true}, {"rotation_deg", false}, {"multiscatter", false}};
-    float widths[2] = {0, 0}, turn_cos, turn_sin;
-    bool multiscatter = false;
-    scene_params_of(p, "a conductor material", keys, countof(keys));
-    const bool two = read_widths(p, widths);
-    read_turn(p, &turn_cos, &turn_sin);
-    read_flag(p, "multiscatter", &multiscatter);
-    if (widths[0] == widths[1] && !multiscatter) {
-        m->kind = MATERIAL_CONDUCTOR;
-        m->conductor.alpha = widths[0];
-        if (!two)
-            scene_param_number(p, "alpha", fraction, &m->conductor.alpha);
-        read_constants(p, &m->conductor.eta, &m->conductor.k);
-        return;
-    }
+        {"type", true},  {"metal", false},        {"eta", !named},         {"k", !named},
+        {"alpha", true}, {"rotation_deg", false}, {"multiscatter", false}, {"thin_film", false}};
     m->kind = MATERIAL_METAL;
-    m->metal.alpha_x = widths[0];
-    m->metal.alpha_y = widths[1];
-    if (!two) {
-        scene_param_number(p, "alpha", fraction, &m->metal.alpha_x);
-        m->metal.alpha_y = m->metal.alpha_x;
-    }
-    m->metal.turn_cos = turn_cos;
-    m->metal.turn_sin = turn_sin;
-    m->metal.multiscatter = multiscatter;
-    m->needs |= widths[0] != widths[1] ? MATERIAL_NEEDS_TANGENT : 0;
+    scene_params_of(p, "a conductor material", keys, countof(keys));
     read_constants(p, &m->metal.eta, &m->metal.k);
+    read_widths(p, m);
+    read_turn(p, &m->metal.turn_cos, &m->metal.turn_sin);
+    read_flag(p, "multiscatter", &m->metal.multiscatter);
+    read_film(p, &m->metal.film);
+    m->needs |= m->metal.alpha_x != m->metal.alpha_y ? MATERIAL_NEEDS_TANGENT : 0;
+    /* What a conductor has, it has where a metal has it, also for the slots of textures. */
+    if (m->metal.alpha_x == m->metal.alpha_y && !m->metal.multiscatter &&
+        m->metal.film.thickness_nm == 0)
+        m->kind = MATERIAL_CONDUCTOR;
 }

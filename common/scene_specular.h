@@ -11,6 +11,8 @@
 
 void scene_specular_dielectric(const struct scene_params *, struct material *);
 
+void scene_specular_pane(const struct scene_params *, struct material *);
+
 void scene_specular_conductor(const struct scene_params *, struct material *);
 
 #endif

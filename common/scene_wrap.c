@@ -55,7 +55,9 @@ static int parts_of(struct material *m, struct part parts[2])
     case MATERIAL_RETROREFLECTOR:
     case MATERIAL_LEAF:
     case MATERIAL_PLASTIC:
+    case MATERIAL_PRINCIPLED:
     case MATERIAL_CLOTH:
+    case MATERIAL_PANE:
     case MATERIAL_METAL:
         break;
     }
@@ -86,7 +88,8 @@ static bool is_mask(const struct material *m)
 
 static bool lets_through(const struct material *m)
 {
-    return m->kind == MATERIAL_DIELECTRIC || m->kind == MATERIAL_LEAF;
+    return m->kind == MATERIAL_DIELECTRIC || m->kind == MATERIAL_PANE || m->kind == MATERIAL_LEAF ||
+           (m->kind == MATERIAL_PRINCIPLED && m->principled.transmission > 0);
 }
 
 /* Whether the material or one that it is made of, down to a depth, has it. */

@@ -36,6 +36,7 @@ BEYOND_A_SCHEMA = {
     "mesh-index-high": "index against the count of vertices",
     "mesh-world-huge": "a point and a transform",
     "net-mesh-file": "the schema is also for documents on disk",
+    "net-environment-file": "the schema is also for documents on disk",
     "net-texture-file": "the schema is also for documents on disk",
     "quad-bow-tie": "geometry of corners",
     "quad-concave": "geometry of corners",
@@ -44,6 +45,10 @@ BEYOND_A_SCHEMA = {
     "quad-repeated-corner": "geometry of corners",
     "shape-material-dangling": "a name against names",
     "shape-material-unknown": "a name against names",
+    "light-environment-mirrored": "geometry of a transform",
+    "light-environment-moved": "geometry of a transform",
+    "light-environment-squeezed": "geometry of a transform",
+    "light-environment-two": "a count of some of the lights",
     "material-leaf-sum": "sum of two colours",
     "material-mix-dangling": "a name against names",
     "material-mix-of-itself": "what names lead to",
@@ -58,6 +63,8 @@ BEYOND_A_SCHEMA = {
     "sphere-world-huge": "product of steps",
     "sphere-world-tiny": "product of steps",
     "texture-image-exr-srgb": "one key against another",
+    "textured-unknown": "a name against names",
+    "textured-without-textures": "a name against names",
     "transform-singular-matrix": "geometry of a matrix",
 }
 
@@ -97,7 +104,7 @@ def main():
     ok(True, "the schema is valid by its own schema")
     validator = Validator(schema)
 
-    examples = sorted(glob.glob(os.path.join(ROOT, "scenes/*.json")))
+    examples = sorted(glob.glob(os.path.join(ROOT, "scenes/*.json"))) + [os.path.join(ROOT, "tests/textured.json")]
     ok(len(examples) >= 4, "there are examples")
     for path in examples:
         fault = next(validator.iter_errors(load(path)), None)

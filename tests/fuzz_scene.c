@@ -26,6 +26,27 @@ static void check_errors(const struct scene_errors *e)
     }
 }
 
+static void check_textures(const struct scene *s)
+{
+    for (uint32_t i = 0; i < s->texture_count; i++) {
+        const struct texture *t = &s->textures[i];
+        require(t->kind != TEXTURE_IMAGE || t->image.image < s->image_count);
+        require(t->uv_scale[0] != 0 && t->uv_scale[1] != 0);
+    }
+    for (uint32_t i = 0; i < s->image_count; i++)
+        require(!s->images[i].file != !*s->images[i].asset && *s->images[i].where == '/');
+    uint32_t slots = 0;
+    for (uint32_t i = 0; i < s->material_count; i++) {
+        require(s->materials[i].slot_begin == slots && s->materials[i].slot_end >= slots);
+        slots = s->materials[i].slot_end;
+    }
+    require(slots == s->slot_count);
+    for (uint32_t i = 0; i < slots; i++)
+        require(s->slots[i].texture < s->texture_count &&
+                s->slots[i].member + sizeof(float) <= sizeof(struct material) &&
+                s->slots[i].lo <= s->slots[i].hi);
+}
+
 static void check_camera(const struct scene_camera *c)
 {
     switch (c->kind) {
@@ -67,15 +88,19 @@ static void check_scene(const struct scene *s)
     for (uint32_t i = 0; i < s->mesh_count; i++)
         for (size_t k = 0; k < (size_t)3 * s->meshes[i].triangle_count; k++)
             require(s->meshes[i].indices[k] < s->meshes[i].vertex_count);
+    check_textures(s);
 }
 
 static void check_assets(const struct scene *scene, const char *json, size_t bytes,
                          struct arena *arena)
 {
-    char(*hex)[HASH_HEX] = arena_alloc(arena, scene->shape_count, HASH_HEX, 1);
-    for (uint32_t i = 0; i < scene->shape_count; i++)
+    const uint32_t most = max_u32(scene->shape_count, scene->texture_count);
+    char(*hex)[HASH_HEX] = arena_alloc(arena, most, HASH_HEX, 1);
+    for (uint32_t i = 0; i < most; i++)
         memset(hex[i], '0' + (int)(i % 10), HASH_HEX - 1);
-    const char *text = scene_name_assets(json, bytes, hex, arena);
+    const struct scene_hashes hashes = {.textures = (const char(*)[HASH_HEX])hex,
+                                        .shapes = (const char(*)[HASH_HEX])hex};
+    const char *text = scene_name_assets(json, bytes, &hashes, arena);
     struct scene sent;
     struct scene_errors errors;
     if (strlen(text) > SCENE_MAX_BYTES)
@@ -86,6 +111,11 @@ static void check_assets(const struct scene *scene, const char *json, size_t byt
         const struct shape *shape = &scene->shapes[i];
         if (shape->kind == SHAPE_MESH && scene->meshes[shape->mesh.mesh].file)
             require(!strcmp(sent.meshes[sent.shapes[i].mesh.mesh].asset, hex[i]));
+    }
+    for (uint32_t i = 0; i < sent.texture_count; i++) {
+        const struct texture *t = &scene->textures[i];
+        if (t->kind == TEXTURE_IMAGE && scene->images[t->image.image].file)
+            require(!strcmp(sent.images[sent.textures[i].image.image].asset, hex[i]));
     }
 }
 

@@ -138,11 +138,13 @@ static bool scatter(const struct material *m, bool front, struct dir wo, struct 
         return either_dielectric(m, front, wo, dice, wi, weight);
     case MATERIAL_CONDUCTOR:
         return conductor(m, wo, dice, wi, weight);
+    case MATERIAL_PANE:
     case MATERIAL_METAL:
     case MATERIAL_ROUGH_DIFFUSE:
     case MATERIAL_RETROREFLECTOR:
     case MATERIAL_LEAF:
     case MATERIAL_PLASTIC:
+    case MATERIAL_PRINCIPLED:
     case MATERIAL_CLOTH:
     case MATERIAL_MIX:
     case MATERIAL_MASK:
@@ -166,6 +168,23 @@ static void add(double sum[3], const double throughput[3], vec3 radiance)
         sum[k] += throughput[k] * (double)radiance[k];
 }
 
+static vec3 of_map(const struct stage *s, const struct emitter *e, vec3 dir)
+{
+    const struct stage_map *map = (const struct stage_map *)stage_at(s, s->maps) + e->index;
+    const struct stage_map_pixel *pixels =
+        (const struct stage_map_pixel *)stage_at(s, s->map_pixels) + map->pixel_begin;
+    double d[3] = {0, 0, 0};
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            d[i] += (double)map->to_local[i][k] * (double)dir[k];
+    const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    const uint32_t row = (uint32_t)(acos(d[1] / length) / pi * map->height);
+    const uint32_t column = (uint32_t)((0.5 + atan2(d[0], -d[2]) / (2 * pi)) * map->width);
+    const uint32_t x = column < map->width ? column : map->width - 1;
+    const uint32_t y = row < map->height ? row : map->height - 1;
+    return vec3_load(pixels[(size_t)y * map->width + x].rgb) * vec3_load(e->radiance);
+}
+
 static bool in_sun(const struct emitter *sun, vec3 dir)
 {
     double dot = 0, length = 0;
@@ -176,17 +195,28 @@ static bool in_sun(const struct emitter *sun, vec3 dir)
     return 1 - dot / sqrt(length) <= (double)sun->cap;
 }
 
+/* Whitted's paths go on from these. */
+static bool is_smooth(const struct material *m)
+{
+    return m->kind == MATERIAL_MIRROR ||
+           (m->kind == MATERIAL_DIELECTRIC && m->dielectric.alpha == 0);
+}
+
 void naive_path_radiance(const struct stage *s, struct ray ray, struct dice *dice, double sum[3])
 {
     const struct material *materials = stage_at(s, s->materials);
     const struct emitter *emitters = stage_at(s, s->emitters);
     double throughput[3] = {1, 1, 1};
+    bool lights_alone = false; /* behind the last surface of a path of Whitted's */
     for (uint32_t bounce = 0;; bounce++) {
         struct ray_hit hit;
         if (!bvh_hit_closest(s, &ray, &hit)) {
-            add(sum, throughput, s->sky);
+            if (!lights_alone)
+                add(sum, throughput, s->sky);
             for (uint32_t e = s->beyond_begin; e < s->emitters.count; e++)
-                if (in_sun(&emitters[e], ray.dir))
+                if (emitters[e].kind == EMITTER_MAP)
+                    add(sum, throughput, of_map(s, &emitters[e], ray.dir));
+                else if (in_sun(&emitters[e], ray.dir))
                     add(sum, throughput, vec3_load(emitters[e].radiance));
             return;
         }
@@ -194,8 +224,10 @@ void naive_path_radiance(const struct stage *s, struct ray ray, struct dice *dic
         const bool front = vec3_dot(ray.dir, at.ng) < 0;
         if (front && at.emitter != STAGE_NONE)
             add(sum, throughput, vec3_load(emitters[at.emitter].radiance));
-        if (bounce == s->settings.max_bounces)
+        if (bounce == s->settings.max_bounces || lights_alone)
             return;
+        lights_alone =
+            s->settings.integrator == INTEGRATOR_WHITTED && !is_smooth(&materials[at.material]);
         const vec3 z = front ? at.ng : -at.ng;
         vec3 x, y;
         tangents(z, &x, &y);
@@ -221,4 +253,16 @@ void naive_path_sample(const struct stage *s, uint32_t x_px, uint32_t y_px, stru
     const vec3 dir = vec3_load(c->corner) + x * vec3_load(c->dx) + y * vec3_load(c->dy);
     const struct ray ray = {vec3_load(c->origin), vec3_unit(dir), INFINITY, 0, 0};
     naive_path_radiance(s, ray, dice, sum);
+}
+
+struct stat_mean naive_path_mean(const struct stage *s, uint32_t samples, uint64_t seed)
+{
+    struct dice dice = dice_make(seed);
+    struct stat_mean mean = {0};
+    for (uint32_t i = 0; i < samples; i++) {
+        double sum[3] = {0};
+        naive_path_sample(s, i % 8, i / 8 % 8, &dice, sum);
+        stat_add(&mean, sum[1]);
+    }
+    return mean;
 }

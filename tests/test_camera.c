@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "common/trace/rng.h"
+#include "common/trace/sampler.h"
 #include "tests/dice.h"
 #include "tests/scenes.h"
 #include "tests/stat/chi2.h"
@@ -288,13 +288,14 @@ static void closed_lens_is_a_pinhole(void)
 
 static void siblings_share_the_lens(void)
 {
+    const struct scene_settings sobol = {.sampler = SAMPLER_SOBOL};
     struct rng_pixel p;
     rng_pixel_init(&p, 7, 12, 34);
     int other = 0, same = 0;
     float before = 2;
     for (uint32_t index = 0; index < 64; index++) {
         rng_pixel_go(&p, index);
-        const struct sobol8_square eight = rng_pixel_lens(&p);
+        const struct sobol8_square eight = sampler_elders(&sobol, &p, RNG_LENS);
         for (uint32_t r = 0; r < FILM_REPLICATES; r++) {
             const struct rng rng = rng_make(7, 12, 34, index / 2 * FILM_REPLICATES + r);
             const struct square q = rng_pair(&rng, RNG_LENS);

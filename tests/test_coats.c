@@ -15,9 +15,15 @@
 #include "tests/stat/stat.h"
 #include "tests/tap.h"
 
-enum { ROUGH = 4, RETRO = 4, LEAVES = 2, PLASTICS = 6, CLOTHS = 4 };
+enum { ROUGH = 4, RETRO = 4, LEAVES = 2, PLASTICS = 6, CLOTHS = 4, PRINCIPLED = 6, CLEAR = 1 };
 
 static const rgb orange = {.9f, .5f, .1f, 0};
+
+/* The quick tier takes some of the slow ones. */
+static int quick_step(int step)
+{
+    return stat_is_long() ? 1 : step;
+}
 
 static void diffuse_obeys(void)
 {
@@ -49,7 +55,7 @@ static void plastic_obeys(void)
         float ior, alpha;
     } coat[PLASTICS] = {{1.5f, 0}, {1.5f, .05f}, {1.5f, .2f}, {1.5f, 1}, {1.1f, .4f}, {3, .3f}};
     char name[48];
-    for (int i = 0; i < PLASTICS; i++) {
+    for (int i = 0; i < PLASTICS; i += quick_step(2)) {
         snprintf(name, sizeof name, "plastic %g, %g", (double)coat[i].ior, (double)coat[i].alpha);
         laws_obeyed(&(struct material){.kind = MATERIAL_PLASTIC,
                                        .plastic = {orange, coat[i].ior, coat[i].alpha}},
@@ -61,11 +67,73 @@ static void cloth_obeys(void)
 {
     static const float roughness[CLOTHS] = {.1f, .3f, .6f, 1};
     char name[32];
-    for (int i = 0; i < CLOTHS; i++) {
+    for (int i = 0; i < CLOTHS; i += quick_step(3)) {
         snprintf(name, sizeof name, "cloth %g", (double)roughness[i]);
         laws_obeyed(&(struct material){.kind = MATERIAL_CLOTH,
                                        .cloth = {orange, {.5f, .9f, 1, 0}, roughness[i]}},
                     name);
+    }
+}
+
+static const struct material principled[PRINCIPLED + CLEAR] = {
+    {.kind = MATERIAL_PRINCIPLED,
+     .principled =
+         {.base_color = {.9f, .5f, .1f, 0}, .roughness = .5f, .ior = 1.5f, .sheen_roughness = .3f}},
+    {.kind = MATERIAL_PRINCIPLED,
+     .principled = {.base_color = {.9f, .5f, .1f, 0},
+                    .metallic = 1,
+                    .roughness = .6f,
+                    .ior = 1.5f,
+                    .clearcoat = 1,
+                    .sheen_roughness = .3f}},
+    {.kind = MATERIAL_PRINCIPLED,
+     .principled = {.base_color = {1, .5f, .1f, 0},
+                    .metallic = 1,
+                    .roughness = 1,
+                    .ior = 1.5f,
+                    .sheen_roughness = .3f}},
+    {.kind = MATERIAL_PRINCIPLED,
+     .principled = {.base_color = {.9f, .5f, .1f, 0},
+                    .metallic = .3f,
+                    .roughness = .7f,
+                    .ior = 1.3f,
+                    .clearcoat = .5f,
+                    .clearcoat_roughness = .4f,
+                    .sheen_color = {.2f, .9f, 1, 0},
+                    .sheen_roughness = .5f}},
+    {.kind = MATERIAL_PRINCIPLED,
+     .principled = {.base_color = {1, 1, 1, 0},
+                    .roughness = 0,
+                    .ior = 1.5f,
+                    .clearcoat = 1,
+                    .clearcoat_roughness = .3f,
+                    .sheen_color = {1, 1, 1, 0},
+                    .sheen_roughness = .2f}},
+    {.kind = MATERIAL_PRINCIPLED,
+     .principled = {.base_color = {1, 1, 1, 0},
+                    .roughness = 1,
+                    .ior = 2,
+                    .sheen_color = {1, 1, 1, 0},
+                    .sheen_roughness = 1}},
+    {.kind = MATERIAL_PRINCIPLED,
+     .principled = {.base_color = {.9f, .5f, .1f, 0},
+                    .metallic = .2f,
+                    .roughness = .7f,
+                    .ior = 1.5f,
+                    .transmission = .8f,
+                    .clearcoat = .5f,
+                    .clearcoat_roughness = .6f,
+                    .sheen_color = {.3f, .3f, .3f, 0},
+                    .sheen_roughness = .4f}}};
+
+static void principled_obeys(void)
+{
+    static const char *const names[] = {"plain",   "metallic paint", "rough metal", "a bit of all",
+                                        "lacquer", "rough cloth",    "milky glass"};
+    char name[48];
+    for (size_t i = stat_is_long() ? 0 : 3; i < countof(principled); i += (size_t)quick_step(3)) {
+        snprintf(name, sizeof name, "principled, %s", names[i]);
+        laws_obeyed(&principled[i], name);
     }
 }
 
@@ -100,8 +168,8 @@ struct extent {
 static struct extent returned(const struct material *m)
 {
     const struct scatter s = scatter_of(m);
-    struct extent e = {INFINITY, 0};
-    const int step = stat_is_long() ? 1 : 9;
+    struct extent e = {(double)INFINITY, 0};
+    const int step = stat_is_long() ? 1 : 21;
     for (int i = 0; i < COSINES; i += step) {
         const double a = scatter_albedo(&s, seen(i), 0) + delta_share(&s, seen(i));
         e.least = fmin(e.least, a);
@@ -112,7 +180,7 @@ static struct extent returned(const struct material *m)
 
 static void whites_return_all(void)
 {
-    struct extent e = {INFINITY, 0};
+    struct extent e = {(double)INFINITY, 0};
     for (int i = 0; i <= 4; i++) {
         const struct extent one = returned(&(struct material){
             .kind = MATERIAL_ROUGH_DIFFUSE, .rough_diffuse = {rgb_gray(1), (float)i / 4}});
@@ -142,12 +210,12 @@ static struct extent white_rough(void)
     static const float ior[] = {1.1f, 1.17f, 1.33f, 1.5f, 1.8f, 2.4f, 3};
     static const float root[] = {.032f, .045f, .0625f, .094f, .125f, .156f,
                                  .22f,  .31f,  .53f,   .75f,  1};
-    struct extent e = {INFINITY, 0};
+    struct extent e = {(double)INFINITY, 0};
     for (size_t k = 0; k < countof(ior) * countof(root); k++) {
         const float r = root[k % countof(root)];
         const struct coat c = {ior[k / countof(root)], r * r};
         const double off = mean_off(&c);
-        for (int i = 0; i < COSINES; i += stat_is_long() ? 1 : 9) {
+        for (int i = 0; i < COSINES; i += stat_is_long() ? 1 : 21) {
             const float z = seen(i)[2];
             const double all = coat_make_albedo((double)z, (double)c.alpha, (double)c.ior) +
                                (double)coat_passes(&c, z) * off;
@@ -159,7 +227,7 @@ static struct extent white_rough(void)
 
 static void white_under_coats(void)
 {
-    struct extent e = {INFINITY, 0};
+    struct extent e = {(double)INFINITY, 0};
     static const float ior[] = {1.1f, 1.33f, 1.5f, 2, 3};
     for (size_t k = 0; k < countof(ior); k++) {
         const struct extent one = returned(
@@ -177,7 +245,7 @@ static void white_under_coats(void)
 static void white_cloth(void)
 {
     enum { STEPS = 2048 };
-    struct extent e = {INFINITY, 0};
+    struct extent e = {(double)INFINITY, 0};
     for (int k = 0; k <= 36; k++) {
         const float r = 0.1f + 0.025f * (float)k;
         double mean = 0;
@@ -185,7 +253,7 @@ static void white_cloth(void)
             const double root = (i + 0.5) / STEPS, z = root * root;
             mean += (1 - (double)sheen_albedo(r, (float)z)) * 4 * z * root / STEPS;
         }
-        for (int i = 0; i < COSINES; i += stat_is_long() ? 1 : 9) {
+        for (int i = 0; i < COSINES; i += stat_is_long() ? 1 : 21) {
             const float z = seen(i)[2];
             const double all =
                 sheen_make_albedo((double)r, (double)z) +
@@ -196,11 +264,37 @@ static void white_cloth(void)
     ok(e.least > 0.98 && e.most < 1.001, "cloth: white returns %.5f to %.5f", e.least, e.most);
 }
 
+/* Layers upon layers: metal under two of them loses most, since each takes the smaller of what
+ * passes along either way (bsdf_principled.h). Lobes wide enough for the quadrature, or single
+ * directions. */
+static void white_principled(void)
+{
+    static const struct {
+        float metallic, roughness, clearcoat, clearcoat_roughness, sheen;
+    } made[] = {{0, .5f, 1, 0, 0}, {0, .6f, 1, .5f, 0}, {0, 0, .5f, 0, 1}, {0, .5f, 1, .5f, 1},
+                {1, .4f, 1, 0, 0}, {1, .7f, 0, 0, 0},   {1, 0, 1, .4f, 0}, {1, .5f, 1, .5f, .5f}};
+    struct extent e = {(double)INFINITY, 0};
+    for (size_t i = stat_is_long() ? 0 : 3; i < countof(made); i += stat_is_long() ? 1 : 4) {
+        struct material m = {.kind = MATERIAL_PRINCIPLED};
+        m.principled.base_color = rgb_gray(1);
+        m.principled.sheen_color = rgb_gray(made[i].sheen);
+        m.principled.metallic = made[i].metallic;
+        m.principled.roughness = made[i].roughness;
+        m.principled.ior = 1.5f;
+        m.principled.clearcoat = made[i].clearcoat;
+        m.principled.clearcoat_roughness = made[i].clearcoat_roughness;
+        m.principled.sheen_roughness = .4f;
+        const struct extent one = returned(&m);
+        e = (struct extent){fmin(e.least, one.least), fmax(e.most, one.most)};
+    }
+    ok(e.least > 0.92 && e.most < 1.001, "principled: white returns %.5f to %.5f", e.least, e.most);
+}
+
 /* --- the tables --- */
 
 static void table_is_the_quadrature(void)
 {
-    const int step = stat_is_long() ? 1 : 97;
+    const int step = stat_is_long() ? 1 : 217;
     int off = 0;
     for (int i = 0; i < COAT_IORS * COAT_WIDTHS * COAT_SLOPES; i += step) {
         const int n = i / (COAT_WIDTHS * COAT_SLOPES), rest = i % (COAT_WIDTHS * COAT_SLOPES);
@@ -247,13 +341,15 @@ static void averages(void)
 
 int main(void)
 {
-    laws_begin(ROUGH + RETRO + LEAVES + PLASTICS + CLOTHS);
+    laws_begin(ROUGH + RETRO + LEAVES + PLASTICS + CLOTHS + PRINCIPLED + 2 * CLEAR);
     diffuse_obeys();
     plastic_obeys();
     cloth_obeys();
+    principled_obeys();
     whites_return_all();
     white_under_coats();
     white_cloth();
+    white_principled();
     averages();
     table_is_the_quadrature();
     return tap_done();

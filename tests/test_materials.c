@@ -114,6 +114,40 @@ static void obeys(struct material m, const char *name)
     laws_obeyed(&m, name);
 }
 
+/* F to and fro: R = F + (1 - F)^2 F (1 + F^2 + F^4 + ...). */
+static void panes_obey(void)
+{
+    static const double ior[] = {1, 1.1, 1.5, 2.4, 4};
+    double law = 0, back = 0;
+    bool straight = true;
+    for (size_t i = 0; i < countof(ior); i++)
+        for (size_t k = 0; k < LAWS_VIEWS; k++) {
+            const struct material m = {.kind = MATERIAL_PANE, .pane = {(float)ior[i]}};
+            const struct scatter s = scatter_of(&m);
+            const vec3 wo = laws_direction(&laws_views[k]);
+            const double f = fresnel_by_angles(fabs((double)wo[2]), ior[i]);
+            struct scatter_choice c[2];
+            const int n = scatter_choices(&s, wo, c);
+            double all = 0, reflected = f, round = (1 - f) * (1 - f) * f;
+            for (int bounce = 0; bounce < 100000 && round > 1e-9; bounce++, round *= f * f)
+                reflected += round;
+            for (int j = 0; j < n; j++) {
+                const vec3 wi = c[j].sample.wi;
+                const bool through = wi[2] * wo[2] < 0;
+                const float sign = through ? -1 : 1;
+                const double share = c[j].chance * (double)c[j].sample.weight[1];
+                straight &= wi[0] == -wo[0] && wi[1] == -wo[1] && wi[2] == sign * wo[2];
+                straight &= c[j].sample.scale == 1;
+                all += share;
+                law = fmax(law, fabs(share - (through ? 1 - reflected : reflected)));
+                back = fmax(back, way_back(&s, wo, &c[j]));
+            }
+            law = fmax(law, fabs(all - 1));
+        }
+    ok(law < 1e-5, "a pane reflects what all reflections inside it add up to (%.1e)", law);
+    ok(straight && back < 1e-6, "and lets the rest straight through, there and back (%.1e)", back);
+}
+
 static void rough_glass_obeys(void)
 {
     static const struct {
@@ -152,5 +186,6 @@ int main(void)
     rough_glass_obeys();
     glass_obeys();
     mirrors_obey();
+    panes_obey();
     return tap_done();
 }

@@ -64,9 +64,10 @@ static void defaults(void)
        "crop defaults to the whole film");
     ok(scene.film.filter == FILTER_BOX && scene.film.filter_radius_px == .5f,
        "filter defaults to a box of one pixel");
-    ok(scene.settings.integrator == INTEGRATOR_PATH && scene.settings.max_bounces == 64 &&
+    ok(scene.settings.integrator == INTEGRATOR_PATH && scene.settings.strategy == STRATEGY_MIS &&
+           scene.settings.sampler == SAMPLER_SOBOL && scene.settings.max_bounces == 64 &&
            scene.settings.seed == 0,
-       "settings default to path, 64 bounces, seed 0");
+       "settings default to path, mis, sobol, 64 bounces, seed 0");
     ok(scene.settings.target.spp == 64 && scene.settings.target.error == 0 &&
            scene.settings.target.seconds == 0,
        "target defaults to 64 samples per pixel");
@@ -127,6 +128,21 @@ static void film_and_settings(void)
              "\"albedo\"], \"bounces\": 3}, " CAMERA ", \"materials\": {}, \"shapes\": []}") &&
            scene.film.layers == layers_make(LAYER_MATERIAL | LAYER_ALBEDO, 3),
        "layers are a set, bounces a count");
+}
+
+static void methods(void)
+{
+    const struct scene_settings *s = &scene.settings;
+    ok(parse(HEAD "\"materials\": {}, \"shapes\": [], \"settings\": {\"integrator\": \"direct\", "
+                  "\"strategy\": \"bsdf\", \"sampler\": \"stratified\"}}") &&
+           s->integrator == INTEGRATOR_DIRECT && s->strategy == STRATEGY_BSDF &&
+           s->sampler == SAMPLER_STRATIFIED,
+       "direct light, by directions, stratified");
+    ok(parse(HEAD "\"materials\": {}, \"shapes\": [], \"settings\": {\"integrator\": \"whitted\", "
+                  "\"strategy\": \"light\", \"sampler\": \"independent\"}}") &&
+           s->integrator == INTEGRATOR_WHITTED && s->strategy == STRATEGY_LIGHT &&
+           s->sampler == SAMPLER_INDEPENDENT,
+       "whitted, by lights, independent");
 }
 
 static void camera(void)
@@ -308,17 +324,21 @@ static void transforms(void)
 
 static void lights(void)
 {
-    ok(parse(HEAD "\"materials\": {}, \"shapes\": [], \"lights\": [{\"type\": \"sky\", "
-                  "\"radiance\": [1, 2, 3]}, {\"type\": \"point\", \"position\": [4, 5, 6], "
-                  "\"intensity\": 7}, {\"type\": \"distant\", \"direction\": [0, -3, -4], "
-                  "\"irradiance\": 0}, {\"type\": \"spot\", \"position\": [1, 2, 3], \"direction\": "
-                  "[0, 0, 2], \"intensity\": [4, 5, 6], \"inner_deg\": 30, \"outer_deg\": 60}, "
-                  "{\"type\": \"sun\", \"direction\": [0, -1, 0], \"diameter_deg\": 2, \"radiance\": 3}, "
-                  "{\"type\": \"sun\", \"direction\": [0, -1, 0], \"diameter_deg\": 180, "
-                  "\"irradiance\": 4}]}"),
+    ok(parse(
+           HEAD
+           "\"materials\": {}, \"shapes\": [], \"lights\": [{\"type\": \"sky\", "
+           "\"radiance\": [1, 2, 3]}, {\"type\": \"point\", \"position\": [4, 5, 6], "
+           "\"intensity\": 7}, {\"type\": \"distant\", \"direction\": [0, -3, -4], "
+           "\"irradiance\": 0}, {\"type\": \"spot\", \"position\": [1, 2, 3], \"direction\": "
+           "[0, 0, 2], \"intensity\": [4, 5, 6], \"inner_deg\": 30, \"outer_deg\": 60}, "
+           "{\"type\": \"sun\", \"direction\": [0, -1, 0], \"diameter_deg\": 2, \"radiance\": 3}, "
+           "{\"type\": \"sun\", \"direction\": [0, -1, 0], \"diameter_deg\": 180, "
+           "\"irradiance\": 4}, {\"type\": \"environment\", \"file\": \"a.EXR\", "
+           "\"scale\": [1, 2, 3], \"transform\": [{\"rotate_deg\": {\"axis\": [0, 1, 0], "
+           "\"angle\": 90}}]}]}"),
        "every kind of light");
     const struct light *l = scene.lights;
-    ok(scene.light_count == 6 && l[0].kind == LIGHT_SKY && is_rgb(l[0].sky.radiance, 1, 2, 3),
+    ok(scene.light_count == 7 && l[0].kind == LIGHT_SKY && is_rgb(l[0].sky.radiance, 1, 2, 3),
        "sky");
     ok(l[1].kind == LIGHT_POINT && is_vec(l[1].point.position, 4, 5, 6) &&
            is_rgb(l[1].point.intensity, 7, 7, 7),
@@ -333,6 +353,10 @@ static void lights(void)
            is_rgb(l[4].sun.radiance, 3, 3, 3) && is_rgb(l[4].sun.irradiance, 0, 0, 0) &&
            is_rgb(l[5].sun.irradiance, 4, 4, 4) && is_rgb(l[5].sun.radiance, 0, 0, 0),
        "suns by radiance and by irradiance");
+    ok(l[6].kind == LIGHT_ENVIRONMENT && l[6].environment.image == 0 && scene.image_count == 1 &&
+           is_rgb(l[6].environment.scale, 1, 2, 3) && l[6].environment.to_world.m[0][2] == 1 &&
+           l[6].environment.to_world.m[2][0] == -1,
+       "environment");
 }
 
 static bool one_error(enum err_code code, const char *where, const char *what)
@@ -453,6 +477,7 @@ int main(void)
 {
     defaults();
     film_and_settings();
+    methods();
     camera();
     cameras();
     materials();

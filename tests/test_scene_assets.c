@@ -16,6 +16,7 @@ static struct arena arena;
 
 static const char hex[][HASH_HEX] = {A, B, C, B, A};
 static const char textures[][HASH_HEX] = {D, C, B};
+static const char lights[][HASH_HEX] = {A, B};
 
 #define HEAD                                                                                       \
     "{\"smalti\": 1, \"film\" : {\"width\": 64.0, \"height\": 4.8E1},\n \"camera\": {\"type\": "   \
@@ -31,7 +32,7 @@ static bool named(const char *json, const char *want)
         diag("%s: %s", e.list[0].where, e.list[0].what);
         return false;
     }
-    const struct scene_hashes hashes = {.textures = textures, .shapes = hex};
+    const struct scene_hashes hashes = {.textures = textures, .shapes = hex, .lights = lights};
     const char *got = scene_name_assets(json, strlen(json), &hashes, &arena);
     if (strcmp(got, want))
         diag("got %s", got);
@@ -80,6 +81,11 @@ int main(void)
                   "\"type\": \"image\"},"
                   "\"t\": {\"type\": \"image\", \"asset\": \"" B "\", \"format\": \"exr\"}}}"),
        "images of textures, too, whatever the textures are called");
+    ok(named(HEAD ": [], \"lights\": [{\"type\": \"sky\", \"radiance\": 1}, {\"type\": "
+                  "\"environment\", \"file\": \"s.exr\", \"scale\": 2}]}",
+             HEAD ": [], \"lights\": [{\"type\": \"sky\", \"radiance\": 1}, {\"type\": "
+                  "\"environment\", \"asset\": \"" B "\", \"format\": \"exr\", \"scale\": 2}]}"),
+       "and of lights");
     arena_release(&arena);
     return tap_done();
 }

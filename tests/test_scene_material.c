@@ -102,11 +102,33 @@ static void made_of_others(void)
        "eight deep");
 }
 
+static void principled(void)
+{
+    ok(parse("\"a\": {\"type\": \"principled\", \"base_color\": 0.5}, \"b\": {\"type\": "
+             "\"principled\", \"base_color\": [1, 0.5, 0], \"metallic\": 0.25, \"roughness\": 0, "
+             "\"ior\": 2, \"transmission\": 0.5, \"clearcoat\": 0.75, \"clearcoat_roughness\": 1, "
+             "\"sheen_color\": [0.25, 0.5, 1], \"sheen_roughness\": 1}"),
+       "principled");
+    const struct material *m = scene.materials;
+    ok(m[0].kind == MATERIAL_PRINCIPLED && m[0].principled.base_color[0] == .5f &&
+           m[0].principled.metallic == 0 && m[0].principled.roughness == .5f &&
+           m[0].principled.ior == 1.5f && m[0].principled.transmission == 0 &&
+           m[0].principled.clearcoat == 0 && rgb_is_black(m[0].principled.sheen_color),
+       "by default a plain plastic");
+    ok(is_rgb(m[1].principled.base_color, 1, .5, 0) && m[1].principled.metallic == .25f &&
+           m[1].principled.roughness == 0 && m[1].principled.ior == 2 &&
+           m[1].principled.transmission == .5f && m[1].principled.clearcoat == .75f &&
+           m[1].principled.clearcoat_roughness == 1 &&
+           is_rgb(m[1].principled.sheen_color, .25, .5, 1) && m[1].principled.sheen_roughness == 1,
+       "or as it says");
+}
+
 int main(void)
 {
     diffuse();
     coats();
     plastics();
+    principled();
     made_of_others();
     arena_release(&arena);
     return tap_done();

@@ -81,6 +81,13 @@ static void conductors(void)
     m = material_of("\"type\": \"conductor\", \"metal\": \"iron\", \"alpha\": 0.5, "
                     "\"multiscatter\": false");
     ok(m.kind == MATERIAL_CONDUCTOR, "not asked for: the plain conductor");
+    m = material_of("\"type\": \"conductor\", \"metal\": \"iron\", \"alpha\": 0, "
+                    "\"thin_film\": {\"thickness_nm\": 120, \"ior\": 2.2}");
+    ok(m.kind == MATERIAL_METAL && m.metal.film.thickness_nm == 120 && m.metal.film.ior == 2.2f,
+       "a film");
+    m = material_of("\"type\": \"conductor\", \"metal\": \"iron\", \"alpha\": 0, "
+                    "\"thin_film\": {\"thickness_nm\": 120, \"ior\": 1}");
+    ok(m.kind == MATERIAL_CONDUCTOR, "of index 1 it is none");
 }
 
 static void dielectrics(void)
@@ -92,6 +99,8 @@ static void dielectrics(void)
     m = material_of("\"type\": \"dielectric\", \"ior\": 1.5, \"absorption\": [1, 20, 0], "
                     "\"priority\": 7");
     ok(is_rgb(m.inside.absorption, 1, 20, 0) && m.inside.priority == 7, "absorption, priority");
+    m = material_of("\"type\": \"thin_dielectric\", \"ior\": 1.5");
+    ok(m.kind == MATERIAL_PANE && m.pane.ior == 1.5f, "a pane");
 }
 
 int main(void)

@@ -1,31 +1,14 @@
 /* Analytic truths of lights that are no shapes (docs/accuracy.md; the numbers A-xx are those of its
- * table): suns and spots. The frame is 8 x 8 pixels; gate: the mean lies within 3.9 standard errors
- * of the truth, which are so small that a bias of 0.5 % fails with probability 0.99.
+ * table): suns and spots. The frame is 8 x 8 pixels, the gate that of judge.h.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <stdio.h>
 
+#include "tests/judge.h"
 #include "tests/scenes.h"
-#include "tests/stat/stat.h"
 #include "tests/tap.h"
 
 static const double pi = 3.14159265358979323846;
-
-/* Renders, judges the green channel, and ends the scene. */
-static void is_true(struct scenes *s, uint32_t spp, double truth, const char *name)
-{
-    struct film film;
-    const double z_accept = 3.9, z_detect = 3.9 + 2.33, gate = STAT_SLOW == 1 ? 0.005 : 0.25;
-    scenes_render(scenes_stage(s), spp / STAT_SLOW < 8 ? 8 : spp / STAT_SLOW, &film);
-    const struct scenes_mean m = scenes_mean(&film, 1);
-    const double off = fabs(m.mean - truth), rounding = 1e-5 * truth;
-    ok(film.invalid_count == 0 && off <= z_accept * m.error + rounding &&
-           z_detect * m.error <= gate * truth,
-       "%s: %.6f is %.6f (%.1f standard errors; detects %.2f %%)", name, truth, m.mean,
-       off / (m.error + rounding), 100 * z_detect * m.error / truth);
-    film_release(&film);
-    scenes_release(s);
-}
 
 /* E on a small white receiver at the origin: L = E / pi after one bounce. */
 static void receiver(struct scenes *s, vec3 normal)
@@ -61,7 +44,7 @@ static void sun_disc(double diameter_deg, vec3 normal, bool by_irradiance)
     }
     snprintf(name, sizeof name, "A-06: sun of %g degrees at %.0f degrees", diameter_deg,
              acos(cosine) * 180 / pi);
-    is_true(&s, 512, e / pi, name);
+    judge_scene(&s, 512, e / pi, name);
 }
 
 /* One metre above, aimed at the point `beside` of the receiver. */
@@ -79,8 +62,8 @@ static void spot(double outer_deg, float inner_part, float beside, const char *w
     l->spot.inner_rad = (float)inner;
     const double c = 1 / sqrt(1 + (double)beside * (double)beside);
     const double part = (c - cos(outer)) / (cos(inner) - cos(outer));
-    snprintf(name, sizeof name, "spot of %g degrees, %s", outer_deg, what);
-    is_true(&s, 8, c >= cos(inner) ? 1 : part * part * (3 - 2 * part), name);
+    snprintf(name, sizeof name, "A-06: spot of %g degrees, %s", outer_deg, what);
+    judge_scene(&s, 8, c >= cos(inner) ? 1 : part * part * (3 - 2 * part), name);
 }
 
 /* In an integrating sphere (A-09) what is not lit directly has L = P a / (4 pi^2 R^2 (1 - a)) a,
@@ -100,8 +83,9 @@ static void spot_in_sphere(double inner_deg, double outer_deg)
     l->spot.inner_rad = (float)(inner_deg * pi / 180);
     l->spot.outer_rad = (float)(outer_deg * pi / 180);
     const double power = pi * (2 - cos(inner_deg * pi / 180) - cos(outer_deg * pi / 180));
-    snprintf(name, sizeof name, "A-09: power of a spot from %g to %g degrees", inner_deg, outer_deg);
-    is_true(&s, 16384, power * .5 * .5 / (4 * pi * pi * (1 - .5)), name);
+    snprintf(name, sizeof name, "A-09: power of a spot from %g to %g degrees", inner_deg,
+             outer_deg);
+    judge_scene(&s, 16384, power * .5 * .5 / (4 * pi * pi * (1 - .5)), name);
 }
 
 int main(void)

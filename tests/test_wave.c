@@ -87,7 +87,7 @@ static bool arrive(struct alone *a, const struct ray *ray, bool first)
         a->light += first ? sky : a->throughput * sky;
         return false;
     }
-    const vec3 from = a->at.p;
+    const struct surface from = a->at;
     a->at = surface_at(a->stage, ray, &hit);
     a->frame = warp_frame_make(a->at.ng);
     a->wo = warp_to_local(&a->frame, -ray->dir);
@@ -100,7 +100,7 @@ static bool arrive(struct alone *a, const struct ray *ray, bool first)
         a->light += found;
     else
         a->light += a->throughput * found *
-                    (a->pdf_w == 0 ? 1 : power(a->pdf_w, light_pdf_w(a->stage, from, &a->at)));
+                    (a->pdf_w == 0 ? 1 : power(a->pdf_w, light_pdf_w(a->stage, &from, &a->at)));
     return true;
 }
 

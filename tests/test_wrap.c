@@ -37,10 +37,16 @@ static double share(const struct stage *s, uint32_t material, bool back, uint32_
 {
     const struct material *materials = stage_at(s, s->materials);
     enum { STEPS = 4096 };
+    const struct material_side side = {material, back, NULL};
     uint32_t count = 0;
     for (int i = 0; i < STEPS; i++)
-        count += material_at(s, material, back, (float)i / STEPS) == &materials[other];
+        count += material_at(s, &side, (float)i / STEPS) == &materials[other];
     return (double)count / STEPS;
+}
+
+static float opacity(const struct stage *s, uint32_t material, bool back)
+{
+    return material_opacity(s, &(struct material_side){material, back, NULL});
 }
 
 static void choices(void)
@@ -61,12 +67,12 @@ static void choices(void)
     ok(share(stage, deep, false, a) == .375 && share(stage, deep, false, b) == .125 &&
            share(stage, deep, false, c) == .5,
        "and the number serves for a mix inside it");
-    near(material_opacity(stage, mixed, false), .75, 0, "half of a half lets through a quarter");
+    near(opacity(stage, mixed, false), .75, 0, "half of a half lets through a quarter");
     near(share(stage, mixed, false, c), 1. / 3, 1e-3, "of what is stopped a third is the mask's");
-    ok(material_opacity(stage, sides, false) == 1 && material_opacity(stage, sides, true) == .5f &&
+    ok(opacity(stage, sides, false) == 1 && opacity(stage, sides, true) == .5f &&
            share(stage, sides, true, c) == 1 && share(stage, sides, false, a) == .75,
        "two sides have each their own");
-    ok(material_opacity(stage, none, false) == 0 && share(stage, none, false, a) == 1,
+    ok(opacity(stage, none, false) == 0 && share(stage, none, false, a) == 1,
        "where nothing is there is still something to name");
     ok(share(stage, all, false, b) == 1, "an amount of 1 is the second alone");
     scenes_release(&s);

@@ -5,9 +5,11 @@
 #include "common/trace/bsdf_diffuse.h"
 #include "common/trace/bsdf_glass.h"
 #include "common/trace/bsdf_plastic.h"
+#include "common/trace/bsdf_principled.h"
 #include "common/trace/bsdf_cloth.h"
 #include "common/trace/bsdf_retro.h"
 #include "common/trace/bsdf_metal.h"
+#include "common/trace/bsdf_pane.h"
 #include "common/trace/fresnel.h"
 #include "common/trace/local.h"
 #include "common/trace/warp.h"
@@ -63,6 +65,12 @@ static bool dielectric_sample(const struct material *m, vec3 wo, float lobe, str
 
 /* --- the choice --- */
 
+/* A principled material that is not the same from both sides. */
+static bool is_clear(const struct material *m)
+{
+    return m->kind == MATERIAL_PRINCIPLED && m->principled.transmission > 0;
+}
+
 rgb bsdf_eval(const struct material *m, vec3 wo, vec3 wi)
 {
     if (m->kind == MATERIAL_DIFFUSE)
@@ -73,6 +81,8 @@ rgb bsdf_eval(const struct material *m, vec3 wo, vec3 wi)
         return bsdf_glass_eval(m, wo, wi);
     if (m->kind == MATERIAL_LEAF)
         return bsdf_leaf_eval(m, wo, wi);
+    if (is_clear(m))
+        return bsdf_principled_eval(m, wo, wi);
     if (!(wo[2] * wi[2] > 0))
         return black;
     if (wo[2] < 0) {
@@ -88,6 +98,8 @@ rgb bsdf_eval(const struct material *m, vec3 wo, vec3 wi)
         return bsdf_retro_eval(m, wo, wi);
     case MATERIAL_PLASTIC:
         return bsdf_plastic_eval(m, wo, wi);
+    case MATERIAL_PRINCIPLED:
+        return bsdf_principled_eval(m, wo, wi);
     case MATERIAL_CLOTH:
         return bsdf_cloth_eval(m, wo, wi);
     case MATERIAL_METAL:
@@ -99,6 +111,7 @@ rgb bsdf_eval(const struct material *m, vec3 wo, vec3 wi)
     case MATERIAL_MIX:
     case MATERIAL_MASK:
     case MATERIAL_TWO_SIDED:
+    case MATERIAL_PANE:
         break;
     }
     return black;
@@ -114,6 +127,8 @@ float bsdf_pdf_w(const struct material *m, vec3 wo, vec3 wi)
         return bsdf_glass_pdf_w(m, wo, wi);
     if (m->kind == MATERIAL_LEAF)
         return bsdf_leaf_pdf_w(m, wo, wi);
+    if (is_clear(m))
+        return bsdf_principled_pdf_w(m, wo, wi);
     if (!(wo[2] * wi[2] > 0))
         return 0;
     if (wo[2] < 0) {
@@ -129,6 +144,8 @@ float bsdf_pdf_w(const struct material *m, vec3 wo, vec3 wi)
         return bsdf_retro_pdf_w(m, wo, wi);
     case MATERIAL_PLASTIC:
         return bsdf_plastic_pdf_w(m, wo, wi);
+    case MATERIAL_PRINCIPLED:
+        return bsdf_principled_pdf_w(m, wo, wi);
     case MATERIAL_CLOTH:
         return bsdf_cloth_pdf_w(m, wo, wi);
     case MATERIAL_METAL:
@@ -140,6 +157,7 @@ float bsdf_pdf_w(const struct material *m, vec3 wo, vec3 wi)
     case MATERIAL_MIX:
     case MATERIAL_MASK:
     case MATERIAL_TWO_SIDED:
+    case MATERIAL_PANE:
         break;
     }
     return 0;
@@ -160,6 +178,8 @@ static bool opaque_sample(const struct material *m, vec3 wo, float lobe, struct 
         return bsdf_retro_sample(m, wo, direction, s);
     case MATERIAL_PLASTIC:
         return bsdf_plastic_sample(m, wo, lobe, direction, s);
+    case MATERIAL_PRINCIPLED:
+        return bsdf_principled_sample(m, wo, lobe, direction, s);
     case MATERIAL_CLOTH:
         return bsdf_cloth_sample(m, wo, lobe, direction, s);
     case MATERIAL_METAL:
@@ -170,6 +190,7 @@ static bool opaque_sample(const struct material *m, vec3 wo, float lobe, struct 
     case MATERIAL_MIX:
     case MATERIAL_MASK:
     case MATERIAL_TWO_SIDED:
+    case MATERIAL_PANE:
         break;
     }
     return false;
@@ -188,6 +209,10 @@ bool bsdf_sample(const struct material *m, vec3 wo, float lobe, struct square di
                                 : bsdf_glass_sample(m, wo, lobe, direction, s);
     if (m->kind == MATERIAL_LEAF)
         return bsdf_leaf_sample(m, wo, lobe, direction, s);
+    if (is_clear(m))
+        return bsdf_principled_sample(m, wo, lobe, direction, s);
+    if (m->kind == MATERIAL_PANE)
+        return bsdf_pane_sample(m, wo, lobe, s);
     if (wo[2] > 0)
         return opaque_sample(m, wo, lobe, direction, s);
     if (!opaque_sample(m, local_flip(wo), lobe, direction, s))

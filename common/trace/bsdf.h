@@ -1,8 +1,8 @@
 /* bsdf.h - how a surface scatters: eval, sample, pdf.
  *
- * Directions are local and unit: z is the geometric normal of the front side (shading normals do
- * not exist yet), wo and wi point away from the surface, and either may lie below it. Only metal
- * with two widths looks at what x and y are.
+ * Directions are local and unit: z is the shading normal of the front side, x the tangent where the
+ * material needs it (metal with two widths), wo and wi point away from the surface, and either may
+ * lie below it. Whether the geometric normal agrees is the caller's business (path_shade.h).
  * Opaque materials look the same from both sides. Only radiance is transported, towards
  * the camera.
  *
@@ -38,6 +38,7 @@ static inline bool bsdf_is_delta(const struct material *m)
     case MATERIAL_DIFFUSE:
         return false;
     case MATERIAL_MIRROR:
+    case MATERIAL_PANE:
         return true;
     case MATERIAL_DIELECTRIC: /* refraction turns light by less than (ior - 1) alpha */
         return m->dielectric.alpha < BSDF_LEAST_ALPHA ||
@@ -49,6 +50,7 @@ static inline bool bsdf_is_delta(const struct material *m)
     case MATERIAL_ROUGH_DIFFUSE:
     case MATERIAL_LEAF:
     case MATERIAL_PLASTIC:
+    case MATERIAL_PRINCIPLED:
     case MATERIAL_CLOTH:
         return false;
     case MATERIAL_MIX: /* looked through before (material.h) */
@@ -61,11 +63,46 @@ static inline bool bsdf_is_delta(const struct material *m)
     __builtin_unreachable();
 }
 
+/* Whether the viewer's direction changes little but the side that is seen. */
+static inline bool bsdf_is_matte(const struct material *m)
+{
+    const uint32_t matte =
+        1u << MATERIAL_DIFFUSE | 1u << MATERIAL_ROUGH_DIFFUSE | 1u << MATERIAL_LEAF;
+    return matte >> m->kind & 1;
+}
+
+/* Whether light surely stays on the side from which it came. */
+static inline bool bsdf_is_opaque(const struct material *m)
+{
+    switch (m->kind) {
+    case MATERIAL_DIFFUSE:
+    case MATERIAL_ROUGH_DIFFUSE:
+    case MATERIAL_MIRROR:
+    case MATERIAL_CONDUCTOR:
+    case MATERIAL_METAL:
+    case MATERIAL_RETROREFLECTOR:
+    case MATERIAL_PLASTIC:
+    case MATERIAL_CLOTH:
+        return true;
+    case MATERIAL_PRINCIPLED:
+        return m->principled.transmission == 0;
+    case MATERIAL_DIELECTRIC:
+    case MATERIAL_LEAF:
+    case MATERIAL_PANE:
+    case MATERIAL_MIX: /* of anything */
+    case MATERIAL_MASK:
+    case MATERIAL_TWO_SIDED:
+        return false;
+    }
+    __builtin_unreachable();
+}
+
 /* Whether sampling chooses among kinds of scattering: else bsdf_sample does not look at `lobe`. */
 static inline bool bsdf_has_lobes(const struct material *m)
 {
     const uint32_t lobed = 1u << MATERIAL_DIELECTRIC | 1u << MATERIAL_ROUGH_DIFFUSE |
-                           1u << MATERIAL_LEAF | 1u << MATERIAL_PLASTIC | 1u << MATERIAL_CLOTH |
+                           1u << MATERIAL_LEAF | 1u << MATERIAL_PLASTIC |
+                           1u << MATERIAL_PRINCIPLED | 1u << MATERIAL_CLOTH | 1u << MATERIAL_PANE |
                            1u << MATERIAL_METAL;
     return lobed >> m->kind & 1;
 }

@@ -5,6 +5,7 @@
 #include "common/trace/facet.h"
 #include "common/trace/fresnel.h"
 #include "common/trace/local.h"
+#include "common/trace/thinfilm.h"
 #include "common/trace/warp.h"
 
 /* --- parameters --- */
@@ -31,6 +32,8 @@ static vec3 turned_back(const struct material *m, vec3 w)
 
 static rgb fresnel(const struct material *m, float cos)
 {
+    if (m->metal.film.thickness_nm > 0)
+        return thinfilm_metal(cos, m->metal.eta, m->metal.k, &m->metal.film);
     return fresnel_conductor(cos, m->metal.eta, m->metal.k);
 }
 
@@ -96,8 +99,9 @@ static float several_pdf_w(vec3 i, struct facet a)
 rgb bsdf_metal_eval(const struct material *m, vec3 wo, vec3 wi)
 {
     const struct facet a = widths(m);
-    const vec3 o = turned(m, wo), i = turned(m, wi), h = vec3_unit(o + i);
-    const rgb once = fresnel(m, vec3_dot(o, h)) * facet_reflect(o, i, h, a);
+    const vec3 o = turned(m, wo), i = turned(m, wi), sum = o + i;
+    const float length = vec3_length(sum); /* twice the cosine at the facet, the same both ways */
+    const rgb once = fresnel(m, 0.5f * length) * facet_reflect(o, i, sum / length, a);
     return m->metal.multiscatter ? once + several_eval(m, o, i, a) : once;
 }
 
@@ -140,7 +144,9 @@ bool bsdf_metal_sample(const struct material *m, vec3 wo, float lobe, struct squ
     if (!(s->wi[2] > 0)) /* into the surface */
         return false;
     s->pdf_w = bsdf_metal_pdf_w(m, wo, s->wi);
-    s->weight = m->metal.multiscatter ? bsdf_metal_eval(m, wo, s->wi) / s->pdf_w
-                                      : fresnel(m, cos) * facet_weight(o, turned(m, s->wi), a);
+    /* Where F is steep, the rounding of wi is felt. */
+    s->weight = m->metal.multiscatter || m->metal.film.thickness_nm > 0
+                    ? bsdf_metal_eval(m, wo, s->wi) / s->pdf_w
+                    : fresnel(m, cos) * facet_weight(o, turned(m, s->wi), a);
     return s->pdf_w > 0;
 }

@@ -1,5 +1,5 @@
 /* bsdf_metal.h - metal with more than bsdf_conductor.h has: two widths, turned about the normal
- * (facet.h), and light that meets several facets (albedo.h).
+ * (facet.h), light that meets several facets (albedo.h), and a film that interferes (thinfilm.h).
  *
  * Where both widths are below BSDF_LEAST_ALPHA it is a mirror; where one is, it is widened to that.
  *

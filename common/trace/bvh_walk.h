@@ -60,7 +60,7 @@ static inline void bvh_entry_order(bvh_entry *a, bvh_entry *b)
 static inline void bvh_fetch(const struct bvh_query *q, uint32_t ref)
 {
     const unsigned char *at = bvh_data_at(q, ref);
-    for (int line = 0; line < BVH_NODE_LINES; line += 2) /* the one beside it comes along */
+    for (int line = 0; line < BVH_BLOCK_LINES; line += 2) /* the one beside it comes along */
         __builtin_prefetch(at + BVH_LINE * line);
 }
 
@@ -91,8 +91,9 @@ static inline __attribute__((always_inline)) uint32_t bvh_nearest_child(const st
     i = bvh_lowest(hits);
     hits &= hits - 1;
     bvh_entry second = bvh_entry_make(t[i], node->child[i]);
-    bvh_entry_order(&first, &second);
+    bvh_fetch(q, (uint32_t)first);
     bvh_fetch(q, (uint32_t)second);
+    bvh_entry_order(&first, &second);
     bvh_entry *const bottom = *top;
     *(*top)++ = second;
     for (; hits; hits &= hits - 1) {

@@ -3,6 +3,7 @@
 
 #include "common/trace/bsdf.h"
 #include "common/trace/material.h"
+#include "common/trace/textured.h"
 
 static void add(double to[], vec3 v)
 {
@@ -14,7 +15,10 @@ static rgb albedo(const struct stage *s, const struct path_vertex *v, const stru
 {
     const struct material *m = v->material;
     if (s->wrapped)
-        m = material_at(s, v->at.material, v->wo[2] < 0, rng_single(rng, rng_dimension_choice(0)));
+        m = material_at(s, &(struct material_side){v->at.material, v->wo[2] < 0, &v->point},
+                        rng_single(rng, rng_dimension_choice(0)));
+    struct material textured;
+    m = textured_material(s, m, &v->point, &textured);
     const struct square direction = rng_pair(rng, rng_dimension(0, RNG_BSDF_DIRECTION));
     const float lobe = rng_single(rng, rng_dimension(0, RNG_BSDF_LOBE));
     struct bsdf_sample next;

@@ -2,14 +2,18 @@
 #include "common/trace/light.h"
 
 #include "common/trace/light_cylinder.h"
+#include "common/trace/light_map.h"
 #include "common/trace/light_spot.h"
 #include "common/trace/light_sun.h"
+#include "common/trace/light_tree.h"
 #include "common/trace/warp.h"
 
 static const struct emitter *emitter_at(const struct stage *s, uint32_t emitter)
 {
     return (const struct emitter *)stage_at(s, s->emitters) + emitter;
 }
+
+/* --- which one --- */
 
 /* What the cumulative table says and not emitter.pick: a table of floats rounds, and the weights
  * must belong to what is really done. An emitter too weak for the table has probability 0 and is
@@ -20,11 +24,11 @@ static double pick_probability(const struct stage *s, uint32_t emitter)
     return (double)cdf[emitter + 1] - (double)cdf[emitter];
 }
 
-/* The emitter whose part of the cumulative table holds u. */
-static uint32_t pick_emitter(const struct stage *s, double u)
+/* The emitter from `begin` on whose part of the cumulative table holds u. */
+static uint32_t pick_emitter(const struct stage *s, uint32_t begin, double u)
 {
     const float *cdf = stage_at(s, s->pick_cdf);
-    uint32_t begin = 0, end = (uint32_t)s->emitters.count; /* cdf[begin] <= u < cdf[end] */
+    uint32_t end = (uint32_t)s->emitters.count; /* cdf[begin] <= u < cdf[end] */
     while (end - begin > 1) {
         const uint32_t middle = begin + (end - begin) / 2;
         if ((double)cdf[middle] <= u)
@@ -35,13 +39,62 @@ static uint32_t pick_emitter(const struct stage *s, double u)
     return begin;
 }
 
-/* Where u lies in that part, which is not empty: uniform in [0, 1) again. */
-static float pick_rest(const struct stage *s, uint32_t emitter, double u)
+static uint32_t rest_of(double rest)
+{
+    const double bits = rest * 0x1p32;
+    return bits < 0x1.fffffffep31 ? (uint32_t)bits : UINT32_MAX;
+}
+
+static double unit_of(uint32_t bits)
+{
+    return (bits + 0.5) * 0x1p-32; /* the middle of what the bits stand for */
+}
+
+static struct light_pick pick_by_table(const struct stage *s, uint32_t begin, double u)
 {
     const float *cdf = stage_at(s, s->pick_cdf);
-    const double rest = (u - (double)cdf[emitter]) / pick_probability(s, emitter);
-    const uint32_t bits = (uint32_t)(rest * 0x1p24);
-    return sobol_float((bits < 1u << 24 ? bits : (1u << 24) - 1) << 8);
+    const uint32_t emitter = pick_emitter(s, begin, u);
+    const double probability = pick_probability(s, emitter);
+    return (struct light_pick){emitter, (float)probability,
+                               rest_of((u - (double)cdf[emitter]) / probability)};
+}
+
+/* The part of the table that the tree's emitters share. */
+static double tree_share(const struct stage *s)
+{
+    return (double)((const float *)stage_at(s, s->pick_cdf))[s->far_begin];
+}
+
+void light_pick(const struct stage *s, const struct surface *const from[], const uint32_t bits[],
+                uint32_t count, struct light_pick picks[])
+{
+    const double share = s->light_nodes.count ? tree_share(s) : 0;
+    const struct surface *walker[LIGHT_TREE_WALKS];
+    double u[LIGHT_TREE_WALKS];
+    uint32_t which[LIGHT_TREE_WALKS], walks = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const double x = unit_of(bits[i]);
+        if (x < share) {
+            walker[walks] = from[i];
+            u[walks] = x / share;
+            which[walks++] = i;
+        } else {
+            picks[i] = pick_by_table(s, share > 0 ? s->far_begin : 0, x);
+        }
+    }
+    struct light_tree_pick found[LIGHT_TREE_WALKS];
+    if (walks)
+        light_tree_pick(s, walker, u, walks, found);
+    for (uint32_t i = 0; i < walks; i++)
+        picks[which[i]] = (struct light_pick){
+            found[i].emitter, (float)(share * found[i].probability), rest_of(found[i].rest)};
+}
+
+/* The probability of an emitter that has a place. */
+static float place_probability(const struct stage *s, const struct surface *from, uint32_t emitter)
+{
+    return (float)(s->light_nodes.count ? tree_share(s) * light_tree_probability(s, from, emitter)
+                                        : pick_probability(s, emitter));
 }
 
 /* --- triangles and discs: uniform by area --- */
@@ -130,7 +183,7 @@ static struct surface point_on_sphere(const struct stage *s, struct stage_id id,
 
 /* No flat or round primitive sees its own front, so `from` never chooses its own. */
 static bool sample_primitive(const struct stage *s, const struct surface *from,
-                             const struct emitter *e, double pick, struct square q,
+                             const struct emitter *e, float pick, struct square q,
                              struct light_sample *out)
 {
     if (e->prim == from->prim)
@@ -168,7 +221,7 @@ static bool sample_primitive(const struct stage *s, const struct surface *from,
     }
     if (!(pdf_w > 0))
         return false;
-    out->pdf_w = (float)pick * pdf_w;
+    out->pdf_w = pick * pdf_w;
     out->value = vec3_load(e->radiance) / out->pdf_w;
     out->wi = vec3_unit(on.p - from->p);
     out->shadow = surface_to_surface(from, &on);
@@ -206,28 +259,43 @@ static bool sample_sun(const struct surface *from, const struct emitter *e, floa
     return true;
 }
 
-bool light_sample(const struct stage *s, const struct surface *from, struct sobol_bits q,
-                  struct light_sample *out)
+static const struct stage_map *map_of(const struct stage *s, const struct emitter *e)
 {
-    if (s->emitters.count == 0)
+    return (const struct stage_map *)stage_at(s, s->maps) + e->index;
+}
+
+static bool sample_map(const struct stage *s, const struct surface *from, const struct emitter *e,
+                       float pick, struct sobol_bits q, struct light_sample *out)
+{
+    const struct light_map_sample found = light_map_sample(s, map_of(s, e), q);
+    out->wi = found.dir;
+    out->pdf_w = pick * found.pdf_w;
+    out->value = vec3_load(e->radiance) * found.pixel / out->pdf_w;
+    out->shadow = surface_leave(from, out->wi);
+    return out->pdf_w > 0;
+}
+
+bool light_sample_picked(const struct stage *s, const struct surface *from, struct light_pick pick,
+                         uint32_t v, struct light_sample *out)
+{
+    if (pick.emitter == STAGE_NONE)
         return false;
-    const double u = (q.u + 0.5) * 0x1p-32; /* the middle of what the bits stand for */
-    const uint32_t chosen = pick_emitter(s, u);
-    const double probability = pick_probability(s, chosen);
-    const struct emitter *e = emitter_at(s, chosen);
+    const struct emitter *e = emitter_at(s, pick.emitter);
+    const struct square place = {sobol_float(pick.rest), sobol_float(v)};
+    const float probability = pick.probability;
     switch (e->kind) {
     case EMITTER_PRIM:
-        return sample_primitive(s, from, e, probability,
-                                (struct square){pick_rest(s, chosen, u), sobol_float(q.v)}, out);
+        return sample_primitive(s, from, e, probability, place, out);
     case EMITTER_POINT:
     case EMITTER_SPOT:
-        return sample_point(s, from, e, (float)probability, out);
+        return sample_point(s, from, e, probability, out);
     case EMITTER_SUN:
-        return sample_sun(from, e, (float)probability,
-                          (struct square){pick_rest(s, chosen, u), sobol_float(q.v)}, out);
+        return sample_sun(from, e, probability, place, out);
+    case EMITTER_MAP:
+        return sample_map(s, from, e, probability, (struct sobol_bits){pick.rest, v}, out);
     case EMITTER_DISTANT:
         out->wi = -vec3_load(e->at);
-        out->value = vec3_load(e->radiance) / (float)probability;
+        out->value = vec3_load(e->radiance) / probability;
         out->pdf_w = 0;
         out->shadow = surface_leave(from, out->wi);
         return true;
@@ -235,34 +303,49 @@ bool light_sample(const struct stage *s, const struct surface *from, struct sobo
     __builtin_unreachable();
 }
 
-rgb light_beyond(const struct stage *s, uint32_t emitter, vec3 dir)
+bool light_sample(const struct stage *s, const struct surface *from, struct sobol_bits q,
+                  struct light_sample *out)
 {
-    const struct emitter *e = emitter_at(s, emitter);
-    return light_sun_meets(e, dir) ? vec3_load(e->radiance) : rgb_gray(0);
+    struct light_pick pick;
+    if (s->emitters.count == 0)
+        return false;
+    if (s->light_nodes.count)
+        light_pick(s, &from, &q.u, 1, &pick);
+    else
+        pick = pick_by_table(s, 0, unit_of(q.u));
+    return light_sample_picked(s, from, pick, q.v, out);
 }
 
-float light_beyond_pdf_w(const struct stage *s, uint32_t emitter, vec3 dir)
+rgb light_beyond(const struct stage *s, uint32_t emitter, vec3 dir, float *pdf_w)
 {
     const struct emitter *e = emitter_at(s, emitter);
-    return light_sun_meets(e, dir) ? (float)pick_probability(s, emitter) * light_sun_pdf_w(e) : 0;
+    rgb radiance = vec3_load(e->radiance);
+    if (e->kind == EMITTER_MAP)
+        radiance *= light_map_pixel(s, map_of(s, e), dir, pdf_w);
+    else if (light_sun_meets(e, dir))
+        *pdf_w = light_sun_pdf_w(e);
+    else
+        return rgb_gray(0);
+    *pdf_w *= (float)pick_probability(s, emitter);
+    return radiance;
 }
 
-float light_pdf_w(const struct stage *s, vec3 from, const struct surface *at)
+float light_pdf_w(const struct stage *s, const struct surface *from, const struct surface *at)
 {
     const struct emitter *e = emitter_at(s, at->emitter);
-    const float pick = (float)pick_probability(s, at->emitter);
+    const float pick = place_probability(s, from, at->emitter);
+    const vec3 p = from->p;
     switch ((enum stage_kind)e->place.kind) {
     case STAGE_TRIANGLE:
     case STAGE_DISC:
-        return pick * area_pdf_w(at->p - from, at->ng, e->area);
+        return pick * area_pdf_w(at->p - p, at->ng, e->area);
     case STAGE_CYLINDER: {
-        const struct light_cylinder view =
-            light_cylinder_make(cylinder_at(s, e->place.index), from);
-        return pick * cylinder_pdf_w(&view, at->p - from, at->ng);
+        const struct light_cylinder view = light_cylinder_make(cylinder_at(s, e->place.index), p);
+        return pick * cylinder_pdf_w(&view, at->p - p, at->ng);
     }
     case STAGE_SPHERE: {
         const struct stage_sphere *sphere = sphere_at(s, e->place.index);
-        return pick * sphere_pdf_w(sphere, vec3_load(sphere->center) - from);
+        return pick * sphere_pdf_w(sphere, vec3_load(sphere->center) - p);
     }
     }
     __builtin_unreachable();

@@ -14,13 +14,22 @@
 #ifndef COMMON_TRACE_MATERIAL_H
 #define COMMON_TRACE_MATERIAL_H
 
-#include "common/trace/stage.h"
+#include "common/trace/texture.h"
 
-/* Of the rays that meet the material from its back, or its front, the share that it stops. */
-float material_opacity(const struct stage *, uint32_t material, bool back);
+/* What a ray meets: at the back of the material, or its front; point: where textures are looked at,
+ * for a material that needs it (textured.h). */
+struct material_side {
+    uint32_t material;
+    bool back;
+    const struct texture_point *point;
+};
 
-/* number: in [0, 1). */
-const struct material *material_at(const struct stage *, uint32_t material, bool back,
+/* Of the rays that meet it the share that it stops. */
+float material_opacity(const struct stage *, const struct material_side *);
+
+/* number: in [0, 1). The material as it lies in the stage: its own textures are still to be put in.
+ */
+const struct material *material_at(const struct stage *, const struct material_side *,
                                    float number);
 
 #endif

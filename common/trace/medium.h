@@ -1,6 +1,7 @@
 /* medium.h - the bodies that a ray is in: what they absorb, and which of their surfaces are there.
  *
- * The body of a dielectric is what lies behind its surface. A path carries the bodies around it
+ * The body of a dielectric is what lies behind its surface. One that is a part of another material
+ * (material.h) has none: it refracts as written. A path carries the bodies around it
  * (struct stage_bodies) in the order in which it has entered them.
  *
  * Absorption: radiance falls by exp(-absorption distance) in the innermost body, per channel.

@@ -2,8 +2,12 @@
 #include "common/trace/path.h"
 
 #include "common/trace/bsdf.h"
+#include "common/trace/bvh.h"
 #include "common/trace/light.h"
+#include "common/trace/path_mask.h"
 #include "common/trace/path_media.h"
+#include "common/trace/textured.h"
+#include "common/trace/path_shade.h"
 #include "common/trace/warp.h"
 
 /* The power heuristic with exponent 2 for the technique of density a beside one of density b. As a
@@ -12,6 +16,23 @@ static float mis_weight(float a, float b)
 {
     const float r = b / a;
     return 1 / (1 + r * r);
+}
+
+/* How many times a technique's density counts in the other's weight. Weights add up to 1 whatever
+ * that is, so each strategy is unbiased; where both techniques find a light, one of them has all
+ * the weight, exactly 1 (and the other 0, unless its density is 2^36 times as large), and what only
+ * one finds it still finds. */
+struct trust {
+    float light, bsdf; /* each 1 over the other */
+};
+
+static const struct trust trusts[] = {[STRATEGY_MIS] = {1, 1},
+                                      [STRATEGY_LIGHT] = {0x1p+100f, 0x1p-100f},
+                                      [STRATEGY_BSDF] = {0x1p-100f, 0x1p+100f}};
+
+static const struct trust *trust_of(const struct stage *s)
+{
+    return &trusts[s->settings.strategy];
 }
 
 /* Russian roulette: the chance to go on. `share` is the path's throughput, relative to what its
@@ -28,26 +49,38 @@ static float survival(float share)
     return q < 1 ? q : 1;
 }
 
-struct path_vertex path_vertex_make(const struct stage *s, const struct ray *ray,
-                                    const struct ray_hit *hit)
+float path_lit(const struct stage *s, const struct material *m, float up)
 {
-    const struct surface at = surface_at(s, ray, hit);
-    const struct warp_frame frame = warp_frame_make(at.ng);
-    return (struct path_vertex){
-        .at = at,
-        .frame = frame,
-        .material = (const struct material *)stage_at(s, s->materials) + at.material,
-        .wo = warp_to_local(&frame, -ray->dir),
-    };
+    if (!s->light_nodes.count || !bsdf_is_opaque(m))
+        return 0;
+    return up < 0 ? -1 : 1;
+}
+
+struct path_vertex path_vertex_make(const struct stage *s, const struct ray *ray,
+                                    const struct ray_hit *hit, float width)
+{
+    struct path_vertex v; /* its point stays unset when nothing is textured */
+    v.at = surface_at(s, ray, hit);
+    v.frame = warp_frame_make(v.at.ng);
+    v.material = (const struct material *)stage_at(s, s->materials) + v.at.material;
+    v.wo = warp_to_local(&v.frame, -ray->dir);
+    v.raised.is = false;
+    if (s->slots.count && textured_needs(v.material))
+        v.point = textured_point(s, ray, hit, &v.at, width);
+    if (s->details.count)
+        path_shade(s, ray, hit, &v);
+    v.at.lit = path_lit(s, v.material, v.wo[2]);
+    return v;
 }
 
 rgb path_beyond(const struct stage *s, vec3 dir, float pdf_w)
 {
     rgb light = s->sky;
     for (uint32_t e = s->beyond_begin; e < s->emitters.count; e++) {
-        const rgb found = light_beyond(s, e, dir);
+        float sampled;
+        const rgb found = light_beyond(s, e, dir, &sampled);
         if (!rgb_is_black(found))
-            light += found * (pdf_w == 0 ? 1 : mis_weight(pdf_w, light_beyond_pdf_w(s, e, dir)));
+            light += found * (pdf_w == 0 ? 1 : mis_weight(pdf_w, sampled * trust_of(s)->light));
     }
     return light;
 }
@@ -59,33 +92,67 @@ rgb path_emission(const struct stage *s, const struct path_vertex *v)
     return vec3_load(((const struct emitter *)stage_at(s, s->emitters))[v->at.emitter].radiance);
 }
 
-bool path_light_directly(const struct stage *s, const struct path *p, struct sobol_bits lamp,
+/* What of a chosen light goes on to wo, if nothing is in its way. */
+static rgb reflected(const struct stage *s, const struct path *p, const struct light_sample *light,
+                     vec3 wi)
+{
+    const struct path_vertex *v = &p->vertex;
+    rgb f = bsdf_eval(v->material, v->wo, wi);
+    if (rgb_is_black(f))
+        return f;
+    f *= light->value;
+    if (light->pdf_w != 0)
+        f *= mis_weight(light->pdf_w, bsdf_pdf_w(v->material, v->wo, wi) * trust_of(s)->bsdf);
+    if (p->media)
+        f *= path_media_passed(s, p, wi, &light->shadow);
+    return p->throughput * f;
+}
+
+/* The same light for the directions that only a raised point has: few, so they are traced at once.
+ */
+static void light_raised(const struct stage *s, struct path *p, struct sobol_bits lamp)
+{
+    const struct path_vertex *v = &p->vertex;
+    const struct surface from = path_shade_raised(v);
+    struct light_sample sample;
+    if (!light_sample(s, &from, lamp, &sample))
+        return;
+    const vec3 wi = warp_to_local(&v->frame, sample.wi);
+    if (!path_shade_is_raised(v, sample.wi, wi))
+        return;
+    const rgb light = reflected(s, p, &sample, wi);
+    if (rgb_is_black(light) || !path_shade_is_clear(s, v))
+        return;
+    if (!bvh_hit_any(s, &sample.shadow))
+        p->light += light;
+    else if (s->masked)
+        p->light += light * path_mask_share(s, sample.shadow);
+}
+
+bool path_light_directly(const struct stage *s, struct path *p, const struct path_lamp *lamp,
                          struct ray *shadow, rgb *light)
 {
     const struct path_vertex *v = &p->vertex;
-    const struct material *m = v->material;
-    if (s->emitters.count == 0 || bsdf_is_delta(m))
+    if (s->emitters.count == 0 || bsdf_is_delta(v->material))
         return false;
+    if (v->raised.is)
+        light_raised(s, p, lamp->bits);
     struct light_sample sample;
-    if (!light_sample(s, &v->at, lamp, &sample))
+    if (!(lamp->pick ? light_sample_picked(s, &v->at, *lamp->pick, lamp->bits.v, &sample)
+                     : light_sample(s, &v->at, lamp->bits, &sample)))
         return false;
     const vec3 wi = warp_to_local(&v->frame, sample.wi);
-    rgb f = bsdf_eval(m, v->wo, wi);
-    if (rgb_is_black(f))
+    if (!(vec3_dot(sample.wi, v->at.ng) * wi[2] > 0)) /* the two normals disagree */
         return false;
-    f *= sample.value;
-    if (sample.pdf_w != 0)
-        f *= mis_weight(sample.pdf_w, bsdf_pdf_w(m, v->wo, wi));
-    if (p->media)
-        f *= path_media_passed(s, p, wi, &sample.shadow);
+    *light = reflected(s, p, &sample, wi);
     *shadow = sample.shadow;
-    *light = p->throughput * f;
-    return true;
+    return !rgb_is_black(*light); /* the strategy may give it no weight */
 }
 
-bool path_scatter(struct path *p, const struct path_draw *draw, struct ray *ray)
+bool path_scatter(const struct stage *s, struct path *p, const struct path_draw *draw,
+                  struct ray *ray)
 {
-    const struct path_vertex *v = &p->vertex;
+    struct path_vertex *v = &p->vertex;
     struct bsdf_sample next;
     if (!bsdf_sample(v->material, v->wo, draw->lobe, draw->direction, &next))
         return false;
@@ -95,7 +162,8 @@ bool path_scatter(struct path *p, const struct path_draw *draw, struct ray *ray)
     p->scale = draw->first ? rgb_max(p->throughput) : p->scale * next.scale;
     p->pdf_w = next.pdf_w;
     const vec3 dir = warp_to_world(&v->frame, next.wi);
-    if (!(vec3_dot(dir, v->at.ng) * next.wi[2] > 0)) /* rounding put it on the wrong side */
+    if (!(vec3_dot(dir, v->at.ng) * next.wi[2] > 0) && /* by rounding, or a shading normal */
+        !path_shade_move(s, v, dir, next.wi))
         return false;
     if (draw->may_end) { /* a channel weaker than the strongest only gains */
         const float q = survival(rgb_max(p->throughput) / p->scale);
@@ -113,13 +181,15 @@ bool path_scatter(struct path *p, const struct path_draw *draw, struct ray *ray)
 
 void path_arrive(const struct stage *s, struct path *p, const struct path_vertex *v)
 {
-    const vec3 from = p->vertex.at.p;
+    const struct surface from = p->vertex.at;
     p->vertex = *v;
 
     /* Emission found by the BSDF's sampling; a delta lobe's by nothing else */
     const rgb found = path_emission(s, v);
     if (rgb_is_black(found))
         return;
-    const float weight = p->pdf_w == 0 ? 1 : mis_weight(p->pdf_w, light_pdf_w(s, from, &v->at));
+    const float weight =
+        p->pdf_w == 0 ? 1
+                      : mis_weight(p->pdf_w, light_pdf_w(s, &from, &v->at) * trust_of(s)->light);
     p->light += p->throughput * found * weight;
 }

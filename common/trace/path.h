@@ -10,27 +10,36 @@
 #ifndef COMMON_TRACE_PATH_H
 #define COMMON_TRACE_PATH_H
 
+#include "common/trace/light.h"
 #include "common/trace/ray.h"
 #include "common/trace/sobol.h"
 #include "common/trace/stage.h"
 #include "common/trace/surface.h"
+#include "common/trace/texture.h"
 #include "common/trace/warp.h"
 
 /* The first bounce after which a path may be ended by chance. */
 enum { PATH_ROULETTE_BEGIN = 1 };
 
+struct path_raised { /* path_shade.h */
+    bool is;         /* light from below the triangle and above the frame's plane is gathered at: */
+    vec3 p;
+};
+
 struct path_vertex { /* where a ray has arrived */
     struct surface at;
     struct warp_frame frame;
     const struct material *material;
-    vec3 wo; /* where the ray came from; local */
+    vec3 wo;                    /* where the ray came from; local */
+    struct texture_point point; /* for the textures of a material that has some */
+    struct path_raised raised;
 };
 
 struct path_media;
 
 struct path {
     struct path_media *media; /* NULL: the scene has none (path_media.h) */
-    rgb light; /* found so far */
+    rgb light;                /* found so far */
     rgb throughput;
     float scale; /* what roulette divides out of throughput; from the first scattering on */
     float pdf_w; /* of the last direction; 0: a delta lobe's, which next-event estimation cannot
@@ -45,8 +54,13 @@ struct path_draw { /* the random numbers of a scattering */
     bool may_end; /* by chance */
 };
 
+/* What a vertex's surface.lit is, as far as anybody asks: the tree of lights. up: wo's z. (What is
+ * scattered to wo came from the same side by both normals.) */
+float path_lit(const struct stage *, const struct material *, float up);
+
+/* width: of the ray's cone at the hit, in m (cone.h). */
 struct path_vertex path_vertex_make(const struct stage *, const struct ray *,
-                                    const struct ray_hit *);
+                                    const struct ray_hit *, float width);
 
 /* What a ray that leaves the scene meets. pdf_w: of its direction, by the sampling that made it; 0:
  * nothing else could have made it. */
@@ -55,13 +69,18 @@ rgb path_beyond(const struct stage *, vec3 dir, float pdf_w);
 /* What the vertex emits to where the ray came from. */
 rgb path_emission(const struct stage *, const struct path_vertex *);
 
+struct path_lamp { /* the random numbers of a look at a light */
+    struct sobol_bits bits;
+    const struct light_pick *pick; /* what bits.u has picked; NULL: that is still to be done */
+};
+
 /* Light that may reach the vertex from one chosen emitter and goes on to wo, MIS-weighted. True:
  * *light comes if *shadow hits nothing. */
-bool path_light_directly(const struct stage *, const struct path *, struct sobol_bits lamp,
+bool path_light_directly(const struct stage *, struct path *, const struct path_lamp *,
                          struct ray *shadow, rgb *light);
 
 /* The next ray; false: there is none. */
-bool path_scatter(struct path *, const struct path_draw *, struct ray *);
+bool path_scatter(const struct stage *, struct path *, const struct path_draw *, struct ray *);
 
 /* The vertex where the ray has arrived, and what it emits. */
 void path_arrive(const struct stage *, struct path *, const struct path_vertex *);

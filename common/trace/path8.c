@@ -26,7 +26,8 @@ static inline bool look_up(const struct stage *s, const struct tables *t, uint32
         return false;
     const struct stage_shape *shape = &t->shapes[stage_shape_of(s, hit->prim)];
     const struct material *m = &t->materials[shape->material];
-    if (m->kind != MATERIAL_DIFFUSE || shape->detail != STAGE_NONE)
+    if (m->kind != MATERIAL_DIFFUSE ||
+        shape->detail != STAGE_NONE) /* textured ones have a detail */
         return false;
     const struct stage_block *block = &t->blocks[hit->place.index / STAGE_LANES];
     f->corners[i] = &block->v[0][0][hit->place.index % STAGE_LANES];

@@ -1,5 +1,6 @@
 /* path8.h - paths in step, in the lanes of vectors: what path.c does at one vertex, at eight at
- * once, where the vertices are plain: on a triangle that is no instance's, of a diffuse material.
+ * once, where the vertices are plain: on a triangle that is no instance's, of a diffuse material
+ * without textures.
  * That is most of them in most scenes.
  *
  * path.c is the definition. Here is the same arithmetic, operation by operation, so that a path's

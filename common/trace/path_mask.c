@@ -3,7 +3,7 @@
 
 #include "common/trace/bvh.h"
 #include "common/trace/material.h"
-#include "common/trace/surface.h"
+#include "common/trace/textured.h"
 
 /* The rest of a ray behind a surface that it has met. A segment ends where it did. */
 static struct ray beyond(const struct ray *ray, const struct surface *at)
@@ -17,9 +17,16 @@ static struct ray beyond(const struct ray *ray, const struct surface *at)
     return rest;
 }
 
-static float opacity(const struct stage *s, const struct ray *ray, const struct surface *at)
+/* Textures are looked at as finely as they are: what is averaged is whether the ray goes on. */
+static float opacity(const struct stage *s, const struct ray *ray, const struct ray_hit *hit,
+                     const struct surface *at)
 {
-    return material_opacity(s, at->material, vec3_dot(ray->dir, at->ng) > 0);
+    const struct material *m = (const struct material *)stage_at(s, s->materials) + at->material;
+    struct texture_point point;
+    if (s->slots.count && textured_needs(m))
+        point = textured_point(s, ray, hit, at, 0);
+    const struct material_side side = {at->material, vec3_dot(ray->dir, at->ng) > 0, &point};
+    return material_opacity(s, &side);
 }
 
 static bool is_stopped(const struct stage *s, const struct rng *rng, uint32_t bounce,
@@ -27,7 +34,7 @@ static bool is_stopped(const struct stage *s, const struct rng *rng, uint32_t bo
 {
     for (uint32_t crossing = 0;; crossing++) {
         const struct surface at = surface_at(s, ray, hit);
-        const float stops = opacity(s, ray, &at);
+        const float stops = opacity(s, ray, hit, &at);
         if (stops >= 1 || rng_single(rng, rng_dimension_mask(bounce, crossing)) < stops)
             return true;
         *ray = beyond(ray, &at);
@@ -54,7 +61,7 @@ float path_mask_share(const struct stage *s, struct ray shadow)
     struct ray_hit hit;
     while (bvh_hit_closest(s, &shadow, &hit)) {
         const struct surface at = surface_at(s, &shadow, &hit);
-        share *= 1 - opacity(s, &shadow, &at);
+        share *= 1 - opacity(s, &shadow, &hit, &at);
         if (!(share > 0))
             return 0;
         shadow = beyond(&shadow, &at);

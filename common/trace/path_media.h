@@ -12,17 +12,18 @@
 struct path_media {
     struct stage_bodies bodies; /* around the vertex, on the side of wo */
     struct material seen;       /* the vertex's, as an interface between two bodies */
-    bool entering;              /* a body, at the vertex */
+    uint32_t body;              /* whose surface the vertex is on: the material, or STAGE_NONE */
+    bool entering;
 };
 
-/* A path along a camera ray, with light and throughput. hit: NULL for none. False: it ends, and has
- * found what it finds. */
+/* A path along a camera ray, with light and throughput. hit: NULL for none. width: of the ray's
+ * cone where it has arrived (cone.h). False: it ends, and has found what it finds. */
 bool path_media_begin(const struct stage *, struct path *, const struct ray *,
-                      const struct ray_hit *hit);
+                      const struct ray_hit *hit, float width);
 
 /* In place of path_arrive and, without a hit, path_beyond. False: the path ends. */
 bool path_media_arrive(const struct stage *, struct path *, const struct ray *,
-                       const struct ray_hit *hit);
+                       const struct ray_hit *hit, float width);
 
 /* What is left of light along a shadow ray that starts in the direction wi, local. */
 rgb path_media_passed(const struct stage *, const struct path *, vec3 wi, const struct ray *shadow);

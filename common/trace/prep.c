@@ -45,7 +45,8 @@ static void count_pieces(struct prep_plan *p)
     struct stage *head = &p->head;
     head->shapes.count = (uint64_t)p->scene->shape_count + 1;
     head->pick_cdf.count = head->emitters.count + 1;
-    head->lamps.count = light8_fit(p->emitters, head->emitters.count);
+    if (head->settings.strategy == STRATEGY_MIS) /* lanes know no other */
+        head->lamps.count = light8_fit(p->emitters, head->emitters.count);
     while (head->prim_count >> head->guide_shift >= GUIDE_MOST)
         head->guide_shift++;
     head->guide.count = (head->prim_count >> head->guide_shift) + 2;
@@ -83,7 +84,19 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->normals, NULL, sizeof(struct stage_normal)},
         {&head->uvs, NULL, sizeof(struct stage_uv)},
         {&head->colors, NULL, sizeof(struct stage_color)},
+        {&head->slots, p->scene->slots, sizeof *p->scene->slots},
+        {&head->textures, p->textures, sizeof *p->textures},
+        {&head->pyramids, p->pyramids, sizeof *p->pyramids},
+        {&head->bytes8, NULL, sizeof(struct stage_bytes)},
+        {&head->texels, NULL, 1},
         {&head->spots, p->spots, sizeof *p->spots},
+        {&head->light_nodes, p->light_nodes, sizeof *p->light_nodes},
+        {&head->light_slots, p->light_slots, sizeof *p->light_slots},
+        {&head->light_parents, p->light_parents, sizeof *p->light_parents},
+        {&head->maps, p->maps, sizeof *p->maps},
+        {&head->map_rows, p->map_rows, sizeof *p->map_rows},
+        {&head->map_pixels, p->map_pixels, sizeof *p->map_pixels},
+        {&head->map_columns, p->map_columns, sizeof *p->map_columns},
     };
     uint64_t bytes = (sizeof *head + STAGE_ALIGN - 1) / STAGE_ALIGN * STAGE_ALIGN;
     for (size_t i = 0; i < countof(pieces); i++) {
@@ -187,6 +200,15 @@ static bool check_lines(const struct prep_plan *p, struct err *err)
                    (unsigned long long)BVH_MOST_LINES * BVH_LINE >> 20);
 }
 
+/* Direct light is one scattering; Whitted's surfaces look for lights and for nothing else. */
+static void settle_method(struct scene_settings *s)
+{
+    if (s->integrator == INTEGRATOR_DIRECT)
+        s->max_bounces = min_u32(s->max_bounces, 1);
+    if (s->integrator == INTEGRATOR_WHITTED)
+        s->strategy = STRATEGY_LIGHT;
+}
+
 bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena *arena,
                 struct arena *scratch, const struct stage **stage, struct err *err)
 {
@@ -198,20 +220,23 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
     p.head.struct_bytes = sizeof p.head;
     p.head.film = scene->film;
     p.head.settings = scene->settings;
+    settle_method(&p.head.settings);
     p.head.media = medium_uses(scene);
     prep_shapes(&p, crew);
-    prep_lights(&p);
+    prep_lights(&p, scratch);
     survey_materials(&p);
     prep_camera(&p.head.camera, scene);
     prep_filter(&p, scratch);
     set_view(&p.head.view, &scene->camera);
-    const bool fits = prep_detail_plan(&p, scratch, err) && check_lines(&p, err);
+    const bool fits = prep_detail_plan(&p, scratch, err) && prep_texture_plan(&p, scratch, err) &&
+                      check_lines(&p, err);
     if (fits) {
         unsigned char *block = lay_out(&p, arena);
         write_guide((const struct stage *)(const void *)block,
                     (uint32_t *)(void *)(block + p.head.guide.offset));
         write_trees(&p, block, crew);
         prep_detail_write(&p, block);
+        prep_texture_write(&p, block);
         place_emitters(&p, (struct emitter *)(void *)(block + p.head.emitters.offset), scratch);
         if (p.head.lamps.count)
             light8_lamps((const struct stage *)(const void *)block,

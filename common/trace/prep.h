@@ -1,9 +1,9 @@
 /* prep.h - scene -> stage: transforms baked, triangles sorted out, emitters listed, BVH built.
  *
  * Deterministic: the same scene gives the same bytes, whatever the crew. Degenerate and non-finite
- * triangles are dropped and counted. Meshes must be loaded (mesh_read). Fails with ERR_LIMIT only
- * (2^32 primitives, 2^27 triangles to be stored, 16 GB of hierarchy); the scene has been checked
- * before.
+ * triangles are dropped and counted. Meshes and images must be loaded (mesh_read, image_asset_read).
+ * Fails with ERR_LIMIT only (2^32 primitives, 2^27 triangles to be stored, 16 GB of hierarchy or of
+ * textures); the scene has been checked before.
  *
  * A mesh is stored once, and its shapes become instances, when it has several that are no
  * lights and their copies would be 2^20 triangles or more.

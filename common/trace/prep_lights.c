@@ -76,9 +76,10 @@ static double make_sun(struct emitter *e, const struct light *l, double radius)
 
 enum rank { RANK_PLACE, RANK_FAR, RANK_BEYOND, RANK_NONE };
 
-static enum rank rank_of(enum light_kind kind)
+static enum rank rank_of(const struct scene *scene, const struct light *l)
 {
-    switch (kind) {
+    rgb pixel;
+    switch (l->kind) {
     case LIGHT_POINT:
     case LIGHT_SPOT:
         return RANK_PLACE;
@@ -86,13 +87,16 @@ static enum rank rank_of(enum light_kind kind)
         return RANK_FAR;
     case LIGHT_SUN:
         return RANK_BEYOND;
+    case LIGHT_ENVIRONMENT:
+        return prep_map_is_uniform(scene, l, &pixel) ? RANK_NONE : RANK_BEYOND;
     case LIGHT_SKY:
         return RANK_NONE;
     }
     __builtin_unreachable();
 }
 
-static double make_emitter(struct prep_plan *p, struct emitter *e, const struct light *l)
+static double make_emitter(struct prep_plan *p, struct emitter *e, const struct light *l,
+                           struct arena *scratch)
 {
     const double radius = scene_radius(&p->head);
     switch (l->kind) {
@@ -104,21 +108,36 @@ static double make_emitter(struct prep_plan *p, struct emitter *e, const struct 
         return make_distant(e, l, radius);
     case LIGHT_SUN:
         return make_sun(e, l, radius);
+    case LIGHT_ENVIRONMENT:
+        return PI * radius * radius * prep_map_make(p, e, l, scratch);
     case LIGHT_SKY:
         break;
     }
     __builtin_unreachable();
 }
 
-static void add_lights(struct prep_plan *p, enum rank rank)
+static void add_lights(struct prep_plan *p, enum rank rank, struct arena *scratch)
 {
     for (uint32_t i = 0; i < p->scene->light_count; i++) {
         const struct light *l = &p->scene->lights[i];
-        if (rank_of(l->kind) != rank)
+        if (rank_of(p->scene, l) != rank)
             continue;
         const uint64_t at = p->head.emitters.count++;
-        p->power[at] = make_emitter(p, &p->emitters[at], l);
+        p->power[at] = make_emitter(p, &p->emitters[at], l, scratch);
         p->emitters[at].prim = STAGE_NONE;
+    }
+}
+
+/* The same radiance from everywhere. */
+static void add_skies(struct prep_plan *p)
+{
+    for (uint32_t i = 0; i < p->scene->light_count; i++) {
+        const struct light *l = &p->scene->lights[i];
+        rgb pixel;
+        if (l->kind == LIGHT_SKY)
+            p->head.sky += l->sky.radiance;
+        else if (l->kind == LIGHT_ENVIRONMENT && prep_map_is_uniform(p->scene, l, &pixel))
+            p->head.sky += l->environment.scale * pixel;
     }
 }
 
@@ -147,15 +166,20 @@ static void pick_emitters(struct prep_plan *p)
     }
 }
 
-void prep_lights(struct prep_plan *p)
+/* From so many emitters on that have a place, one is picked by the tree. It would pay from dozens
+ * on, but then scenes whose images are known would get other pixels (docs/design.md). */
+enum { TREE_FROM = 512 };
+
+void prep_lights(struct prep_plan *p, struct arena *scratch)
 {
-    for (uint32_t i = 0; i < p->scene->light_count; i++)
-        if (p->scene->lights[i].kind == LIGHT_SKY)
-            p->head.sky += p->scene->lights[i].sky.radiance;
-    add_lights(p, RANK_PLACE);
+    add_skies(p);
+    prep_map_open(p, scratch);
+    add_lights(p, RANK_PLACE, scratch);
     p->head.far_begin = (uint32_t)p->head.emitters.count;
-    add_lights(p, RANK_FAR);
+    add_lights(p, RANK_FAR, scratch);
     p->head.beyond_begin = (uint32_t)p->head.emitters.count;
-    add_lights(p, RANK_BEYOND);
+    add_lights(p, RANK_BEYOND, scratch);
     pick_emitters(p);
+    if (p->head.far_begin >= TREE_FROM)
+        prep_light_tree(p, scene_radius(&p->head), scratch);
 }

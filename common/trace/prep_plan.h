@@ -41,7 +41,16 @@ struct prep_plan {
     struct stage_detail *details;
     struct prep_mesh *detail_meshes;
     uint32_t quad_uvs; /* as in struct prep_mesh */
+    struct stage_texture *textures;
+    struct stage_pyramid *pyramids;
+    struct prep_image *pyramid_images; /* what they are made of */
     struct stage_spot *spots;
+    struct stage_light_node *light_nodes; /* NULL: no tree */
+    uint32_t *light_slots, *light_parents;
+    struct stage_map *maps; /* room for all lights' */
+    struct stage_map_row *map_rows;
+    struct stage_map_pixel *map_pixels;
+    uint32_t *map_columns;
 };
 
 /* Allocates the arrays. False: too many primitives. */
@@ -81,11 +90,31 @@ void prep_detail_write(const struct prep_plan *, unsigned char *block);
 /* Where the camera stands and how it maps the film. */
 void prep_camera(struct stage_camera *, const struct scene *);
 
+/* The document's lights -> emitters behind those of shapes; and the table by which one is picked, or
+ * the tree if they are many. After prep_shapes: a distant light shines on what there is. */
+void prep_lights(struct prep_plan *, struct arena *scratch);
+
+/* Makes room for the document's environment maps. */
+void prep_map_open(struct prep_plan *, struct arena *scratch);
+/* Whether all pixels are the same, *pixel: then the map is a sky. */
+bool prep_map_is_uniform(const struct scene *, const struct light *, rgb *pixel);
+/* Makes the next map, and its emitter but for prim and pick. Returns what it sends of light above its
+ * mean, which is what is sampled: the integral of its luminance. */
+double prep_map_make(struct prep_plan *, struct emitter *, const struct light *,
+                     struct arena *scratch);
+
+/* The tree over emitters [0, far_begin), which know their triangles by their number among the
+ * world's. radius: of the scene. */
+void prep_light_tree(struct prep_plan *, double radius, struct arena *scratch);
+
 /* The pixel filter's knots, if it has any; its zero and gain. */
 void prep_filter(struct prep_plan *, struct arena *scratch);
 
-/* The document's lights -> emitters behind those of shapes, and the table by which one is picked.
- * After prep_shapes: a distant light shines on what there is. */
-void prep_lights(struct prep_plan *);
+/* --- prep_texture.c --- */
+
+/* Once the camera is aimed: which textures are used, and where their pyramids will lie; then the
+ * pyramids. False: too much memory. */
+bool prep_texture_plan(struct prep_plan *, struct arena *scratch, struct err *) MUST_CHECK;
+void prep_texture_write(const struct prep_plan *, unsigned char *block);
 
 #endif

@@ -7,7 +7,7 @@
 #include "common/trace/camera.h"
 #include "common/trace/filter.h"
 #include "common/trace/layer.h"
-#include "common/trace/rng.h"
+#include "common/trace/sampler.h"
 #include "common/trace/wave.h"
 
 /* A sample above this is taken for an error. SCENE_MAX_SPP = 2^24 samples below it, weighed by 16/9
@@ -44,7 +44,7 @@ __attribute__((noinline)) static void octet_aim(struct octet *o, f32x8 x, f32x8 
 {
     struct sobol8_square lens = {{0}, {0}};
     if (o->stage->camera.kind == CAMERA_THIN_LENS)
-        lens = rng_pixel_lens(&o->rng);
+        lens = sampler_elders(&o->stage->settings, &o->rng, RNG_LENS);
     camera_rays_through(&o->stage->camera, x, y, &lens, &o->rays);
 }
 
@@ -57,7 +57,7 @@ static void octet_go(struct octet *o, uint32_t index)
         return;
     o->elder = index / 2;
     o->begun = 0;
-    const struct sobol8_square q = rng_pixel_filter(&o->rng);
+    const struct sobol8_square q = sampler_filter(&s->settings, &o->rng);
     const f32x8 dx = filter_offset(s, q.u), dy = filter_offset(s, q.v);
     const f32x8 x = (float)o->x_px + 0.5f + dx, y = (float)o->y_px + 0.5f + dy;
     if (filter_is_signed(s))
@@ -83,13 +83,8 @@ static void octet_begin(struct octet *o, uint32_t which)
 /* Its paths into the wave, numbered from `number` on by replicate. */
 static void octet_put(struct octet *o, uint32_t which, struct wave *w, uint32_t number)
 {
-    switch (o->stage->settings.integrator) {
-    case INTEGRATOR_PATH:
-        octet_begin(o, which);
-        wave_put(w, which, &o->starts, o->rng.replicate, number);
-        return;
-    }
-    __builtin_unreachable();
+    octet_begin(o, which);
+    wave_put(w, which, &o->starts, o->rng.replicate, number);
 }
 
 rgb render_sample(const struct stage *s, uint32_t x_px, uint32_t y_px, uint32_t sample)

@@ -15,6 +15,8 @@
  *     2^31 + 2^16 bounce + n    whether the n-th mask that the ray meets after so many bounces
  *                           stops it (from 2^16 masks on numbers are used again); a single number
  *     2^30                  the place on the lens, a pair: the elder's, like the filter's
+ *
+ * sampler.h has other numbers for the same map.
  * SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_RNG_H
 #define COMMON_TRACE_RNG_H
@@ -243,16 +245,6 @@ static inline void rng_pixel_go(struct rng_pixel *p, uint32_t index)
 static inline struct sobol8_square rng_pixel_filter(const struct rng_pixel *p)
 {
     return sobol8_pair(u32x8_splat(rng_elder(&p->replicate[0]).index_reversed), &p->filter);
-}
-
-static inline struct sobol8_square rng_pixel_lens(const struct rng_pixel *p)
-{
-    struct rng elders[FILM_REPLICATES];
-    struct rng8 eight;
-    for (uint32_t i = 0; i < FILM_REPLICATES; i++)
-        elders[i] = rng_elder(&p->replicate[i]);
-    rng8_make(&eight, elders, FILM_REPLICATES);
-    return rng8_pair(&eight, RNG_LENS);
 }
 
 #endif

@@ -37,7 +37,19 @@ static const struct row rows[] = {
     ROW(normals, struct stage_normal),
     ROW(uvs, struct stage_uv),
     ROW(colors, struct stage_color),
+    ROW(slots, struct material_slot),
+    ROW(textures, struct stage_texture),
+    ROW(pyramids, struct stage_pyramid),
+    ROW(bytes8, struct stage_bytes),
+    ROW(texels, unsigned char),
     ROW(spots, struct stage_spot),
+    ROW(light_nodes, struct stage_light_node),
+    ROW(light_slots, uint32_t),
+    ROW(light_parents, uint32_t),
+    ROW(maps, struct stage_map),
+    ROW(map_rows, struct stage_map_row),
+    ROW(map_pixels, struct stage_map_pixel),
+    ROW(map_columns, uint32_t),
 };
 
 _Static_assert((sizeof(struct stage) - offsetof(struct stage, shapes)) /

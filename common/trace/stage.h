@@ -111,6 +111,47 @@ struct stage_color {
     float rgb[3];
 };
 
+/* How the numbers of an image are kept. */
+enum stage_texels {
+    STAGE_TEXELS_SRGB8, /* a byte, encoded; alpha is not */
+    STAGE_TEXELS_U8,    /* a byte: value times 255 */
+    STAGE_TEXELS_U16,   /* value times 65535 */
+    STAGE_TEXELS_HALF,
+    STAGE_TEXELS_FLOAT,
+};
+
+static inline uint32_t stage_texel_bytes(enum stage_texels texels)
+{
+    return texels <= STAGE_TEXELS_U8 ? 1 : texels == STAGE_TEXELS_FLOAT ? 4 : 2;
+}
+
+enum { STAGE_LEVELS = 15 }; /* of an image of SCENE_MAX_IMAGE_SIDE_PX */
+
+/* An image in levels (texture.h), rows from the top, channels interleaved, nothing between rows. */
+struct stage_pyramid {
+    uint64_t level_at[STAGE_LEVELS]; /* bytes from the start of texels */
+    uint32_t width_px, height_px;    /* of level 0 */
+    uint32_t level_count;            /* the last one is 1 x 1 */
+    uint32_t channels;               /* as in struct image_asset */
+    enum stage_texels texels, coarse_texels; /* of level 0, of the others */
+};
+
+struct stage_bytes { /* what bytes decode to */
+    float plain[256], srgb[256];
+};
+
+/* As struct texture, but: */
+struct stage_texture {
+    enum texture_kind kind;
+    enum texture_wrap wrap;
+    enum texture_filter filter;
+    uint32_t pyramid; /* of an image; STAGE_NONE: nothing uses it */
+    float uv_scale[2], uv_offset[2];
+    float uv_area; /* |product| of uv_scale */
+    float pad[3];
+    rgb colors[2]; /* of a checker */
+};
+
 /* A hierarchy. The first is the world's, the others are of shared meshes. */
 struct stage_tree {
     uint32_t root;                   /* bvh.h */
@@ -131,18 +172,19 @@ struct stage_instance {
 /* Something next-event estimation can aim at. Their order: emissive primitives by number; points
  * and spots (up to here they have a place: stage.far_begin); distant lights; what a ray that leaves
  * the scene can meet (from stage.beyond_begin on). */
-enum emitter_kind { EMITTER_PRIM, EMITTER_POINT, EMITTER_SPOT, EMITTER_DISTANT, EMITTER_SUN };
+enum emitter_kind { EMITTER_PRIM, EMITTER_POINT, EMITTER_SPOT, EMITTER_DISTANT, EMITTER_SUN, EMITTER_MAP };
 
 struct emitter {
     enum emitter_kind kind;
     uint32_t prim;            /* EMITTER_PRIM */
     struct stage_place place; /* EMITTER_PRIM */
-    float radiance[3];        /* PRIM, SUN: radiance; POINT, SPOT: intensity; DISTANT: irradiance */
+    float radiance[3];        /* PRIM, SUN: radiance; POINT, SPOT: intensity; DISTANT: irradiance;
+                               * MAP: of a pixel value of 1 */
     float at[3];              /* POINT, SPOT: position; DISTANT, SUN: direction of travel, unit */
     union {
         float area;     /* EMITTER_PRIM: m^2 */
         float cap;      /* SUN: 1 - cos of its radius */
-        uint32_t index; /* SPOT: into stage.spots */
+        uint32_t index; /* SPOT: into stage.spots; MAP: into stage.maps */
     };
     float pick; /* probability of being chosen; they sum to 1 */
 };
@@ -151,6 +193,45 @@ struct stage_spot {
     float direction[3]; /* unit */
     float inner, outer; /* 1 - cos of the angles between which its light falls off */
 };
+
+/* An environment map: light_map.h. */
+struct stage_map {
+    float to_local[3][4]; /* rows of a rotation */
+    uint32_t width, height;
+    uint64_t pixel_begin; /* in stage.map_pixels and .map_columns, rows from the top */
+    uint64_t row_begin;   /* in stage.map_rows */
+};
+
+struct stage_map_row {
+    float edge, width;   /* s = (1 - cos) / 2 of the angle from the nearer pole: at the row's edge that
+                          * is nearer to it, and how much more at the other */
+    float solid_angle;   /* of one of its pixels */
+    uint32_t begin;      /* its part of [0, 2^32) begins here and ends where the next one's does */
+};
+
+struct stage_map_pixel {
+    float rgb[3];
+};
+
+/* A node of the tree over the emitters that have a place: eight groups of them, lane by lane, a
+ * group being a node again or one emitter. The lanes not used are behind the others and have no
+ * intensity. light_tree.h says what is made of it. 384 bytes: of a node whose lights all shine all
+ * round, the first three lines alone are looked at. */
+struct stage_light_node {
+    float center[3][STAGE_LANES], radius[STAGE_LANES]; /* of a sphere that holds them */
+    float intensity[STAGE_LANES]; /* the sum of the most each shines to where it faces, > 0; in units
+                                   * of all of it over the square of the scene's radius */
+    uint32_t child[STAGE_LANES]; /* a node, or STAGE_LIGHT_LEAF + an emitter; the first one's with
+                                  * STAGE_LIGHT_ROUND if all lights of all lanes shine all round */
+
+    float axis[3][STAGE_LANES]; /* unit: the middle of the directions in which they face */
+    float facing[STAGE_LANES];  /* cos of the angle from there to the last of those directions */
+    float reach[STAGE_LANES];   /* cos of the largest angle from where one faces to where it shines */
+    uint32_t pad[8];
+};
+
+#define STAGE_LIGHT_LEAF  0x80000000u
+#define STAGE_LIGHT_ROUND 0x40000000u
 
 /* The emitters once more, in lanes, where there are few and all are triangles that pick_cdf chooses
  * among: light8.h. */
@@ -226,6 +307,7 @@ struct stage {
 
     uint32_t media;             /* what the scene uses of medium.h */
     struct stage_bodies around; /* the camera, when media is not 0 */
+    float cone_width, cone_spread; /* of camera rays (cone.h), when there are pyramids */
 
     /* Only spans from here to the end: stage_check knows them by their place. */
     struct stage_span shapes; /* struct stage_shape, and one more, whose prim_begin is prim_count */
@@ -248,7 +330,19 @@ struct stage {
     struct stage_span normals;   /* struct stage_normal */
     struct stage_span uvs;       /* struct stage_uv */
     struct stage_span colors;    /* struct stage_color */
+    struct stage_span slots;     /* struct material_slot */
+    struct stage_span textures;  /* struct stage_texture */
+    struct stage_span pyramids;  /* struct stage_pyramid */
+    struct stage_span bytes8;    /* struct stage_bytes, one if anything is kept in bytes */
+    struct stage_span texels;    /* bytes, of all pyramids */
     struct stage_span spots;     /* struct stage_spot */
+    struct stage_span light_nodes; /* struct stage_light_node; none: there are too few lights */
+    struct stage_span light_slots; /* uint32_t: of each emitter in the tree, 8 node + lane */
+    struct stage_span light_parents; /* uint32_t: of each node the same; the root is node 0 */
+    struct stage_span maps;          /* struct stage_map */
+    struct stage_span map_rows;      /* struct stage_map_row, of all maps */
+    struct stage_span map_pixels;    /* struct stage_map_pixel, of all maps */
+    struct stage_span map_columns;   /* uint32_t: as row.begin, of each pixel in its row */
 };
 
 static inline const void *stage_at(const struct stage *s, struct stage_span span)

@@ -6,7 +6,7 @@
 
 static struct surface make(struct stage_id id, vec3 p, vec3 p_error, vec3 ng)
 {
-    return (struct surface){p, p_error, ng, id.prim, STAGE_NONE, STAGE_NONE};
+    return (struct surface){p, p_error, ng, id.prim, STAGE_NONE, STAGE_NONE, 0};
 }
 
 struct corners { /* of a triangle, in the world */

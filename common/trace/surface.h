@@ -20,6 +20,8 @@ struct surface {
     uint32_t prim;
     uint32_t material;
     uint32_t emitter; /* or STAGE_NONE */
+    float lit;        /* from where light counts: 1 from the front alone, -1 from the back, 0 from
+                       * both. For who knows the material to set; 0 till then */
 };
 
 /* The very ray that was traced: what is met is computed from it anew where t is not exact enough.

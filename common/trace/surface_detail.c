@@ -160,6 +160,43 @@ static vec3 shading_normal(const struct stage *s, const struct stage_detail *d,
     return ns;
 }
 
+/* What a corner's tangent plane adds, by its weight; n: of any length, on the wanted side. */
+static vec3 raise_by(vec3 p, const float corner[3], vec3 n, float weight)
+{
+    const float nn = vec3_dot(n, n), below = vec3_dot(p - vec3_load(corner), n);
+    return below < 0 ? -weight * below / nn * n : vec3_make(0, 0, 0);
+}
+
+float surface_detail_edge(const struct stage *s, const struct ray_hit *hit)
+{
+    const struct stage_triangle t = stage_triangle_at(s, hit->place.index, hit->instance);
+    const vec3 a = vec3_load(t.v[0]), ab = vec3_load(t.v[1]) - a, ac = vec3_load(t.v[2]) - a;
+    const float w = 1 - hit->u - hit->v, uv = hit->u < hit->v ? hit->u : hit->v;
+    const float longest =
+        rgb_max(vec3_make(vec3_dot(ab, ab), vec3_dot(ac, ac), vec3_dot(ac - ab, ac - ab)));
+    return (w < uv ? w : uv) * vec3_length(vec3_cross(ab, ac)) / __builtin_sqrtf(longest);
+}
+
+bool surface_detail_raise(const struct stage *s, const struct stage_detail *d,
+                          const struct ray_hit *hit, const struct surface *at, float side,
+                          vec3 *raised)
+{
+    const struct corners c = corners_of(s, d, hit->prim);
+    const struct stage_triangle t = stage_triangle_at(s, hit->place.index, hit->instance);
+    const float sign = (side < 0) == c.back ? 1 : -1;
+    const vec3 a = sign * to_world(d, normal_of(s, d->normals + c.a));
+    const vec3 b = sign * to_world(d, normal_of(s, d->normals + c.b));
+    const vec3 g = sign * to_world(d, normal_of(s, d->normals + c.c));
+    const vec3 way = raise_by(at->p, t.v[0], a, 1 - hit->u - hit->v) +
+                     raise_by(at->p, t.v[1], b, hit->u) + raise_by(at->p, t.v[2], g, hit->v);
+    const vec3 up = side < 0 ? -at->ng : at->ng;
+    const float error = vec3_dot(vec3_abs(up), at->p_error);
+    *raised = at->p + way;
+    /* Next to an edge nobody knows on which side of the next triangle the point is. */
+    return vec3_dot(way, up) > 4 * error &&
+           surface_detail_edge(s, hit) > 8 * error; /* not for a NaN */
+}
+
 static void on_triangle(const struct stage *s, const struct stage_detail *d,
                         const struct ray_hit *hit, struct surface_detail *out)
 {

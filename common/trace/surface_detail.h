@@ -51,6 +51,16 @@ static inline const struct stage_detail *surface_detail_of(const struct stage *s
 struct surface_detail surface_detail_at(const struct stage *, const struct stage_detail *,
                                         const struct ray_hit *, const struct surface *at);
 
+/* The point above a triangle with vertex normals, on the side that `side` says (of ng, or behind it
+ * when negative), where the smooth surface would about be: the mean, by the corners' weights, of
+ * the points that the corners' tangent planes make of p where they lie above it. False: not above
+ * p. */
+bool surface_detail_raise(const struct stage *, const struct stage_detail *, const struct ray_hit *,
+                          const struct surface *at, float side, vec3 *raised);
+
+/* How far a hit on a triangle is from the nearest edge, or less. */
+float surface_detail_edge(const struct stage *, const struct ray_hit *);
+
 /* Right-handed: z is ns, x the direction across it in which u grows. No NaN. */
 struct warp_frame surface_detail_frame(vec3 ns, vec3 dp_du);
 

@@ -6,8 +6,10 @@
 #include "common/trace/bsdf.h"
 #include "common/trace/bvh.h"
 #include "common/trace/light8.h"
+#include "common/trace/wave_pick.h"
 #include "common/trace/material.h"
 #include "common/trace/path_mask.h"
+#include "common/trace/textured.h"
 
 static inline uint32_t lowest(uint32_t lanes)
 {
@@ -19,18 +21,19 @@ static inline uint32_t lowest(uint32_t lanes)
 static struct path_vertex vertex_of_lane(const struct stage *s, const struct path8_vertex *v,
                                          uint32_t i)
 {
-    const vec3 ng = vec8_lane(&v->at.ng, i);
-    const struct surface at = {.p = vec8_lane(&v->at.p, i),
-                               .p_error = vec8_lane(&v->at.p_error, i),
-                               .ng = ng,
-                               .prim = v->at.prim[i],
-                               .material = v->material[i],
-                               .emitter = v->emitter[i]};
-    return (struct path_vertex){.at = at,
-                                .frame = warp_frame_make(ng),
-                                .material = (const struct material *)stage_at(s, s->materials) +
-                                            v->material[i],
-                                .wo = vec8_lane(&v->wo, i)};
+    struct path_vertex out; /* its point stays unset: plain vertices have no textures */
+    out.at = (struct surface){.p = vec8_lane(&v->at.p, i),
+                              .p_error = vec8_lane(&v->at.p_error, i),
+                              .ng = vec8_lane(&v->at.ng, i),
+                              .prim = v->at.prim[i],
+                              .material = v->material[i],
+                              .emitter = v->emitter[i]};
+    out.frame = warp_frame_make(out.at.ng);
+    out.material = (const struct material *)stage_at(s, s->materials) + v->material[i];
+    out.wo = vec8_lane(&v->wo, i);
+    out.raised.is = false;
+    out.at.lit = path_lit(s, out.material, out.wo[2]);
+    return out;
 }
 
 static struct path path_of_lane(const struct wave *w, uint32_t i)
@@ -42,7 +45,7 @@ static struct path path_of_lane(const struct wave *w, uint32_t i)
                          .vertex = vertex_of_lane(w->stage, &w->lanes.vertex, i)};
 }
 
-/* Out of the lanes, and into them, with the vertex that it has come from. */
+/* Out of the lanes; and into them, but for the vertex, which is left behind. */
 static void leave_lanes(struct wave *w, uint32_t i)
 {
     w->paths[i] = path_of_lane(w, i);
@@ -56,7 +59,6 @@ static void enter_lanes(struct wave *w, uint32_t i)
     vec8_set_lane(&w->lanes.throughput, i, p->throughput);
     w->lanes.scale[i] = p->scale;
     w->lanes.pdf_w[i] = p->pdf_w;
-    vec8_set_lane(&w->lanes.vertex.at.p, i, p->vertex.at.p);
     w->plain |= 1u << i;
 }
 
@@ -92,6 +94,9 @@ void wave_begin(const struct stage *s, uint32_t which, const struct ray rays[],
     starts->met = found;
     starts->ends = s->settings.max_bounces == 0 ? which : which & ~found;
     starts->plain = s->media ? 0 : path8_arrive(s, found, rays, hits, &starts->lanes);
+    for (uint32_t left = s->pyramids.count ? found : 0; left; left &= left - 1)
+        starts->cones[lowest(left)] =
+            cone_along((struct cone){s->cone_width, s->cone_spread}, hits[lowest(left)].t);
     for (uint32_t left = which; left; left &= left - 1) {
         const uint32_t i = lowest(left), bit = 1u << i;
         if (s->media) {
@@ -101,7 +106,7 @@ void wave_begin(const struct stage *s, uint32_t which, const struct ray rays[],
         }
         starts->light[i] = found & bit ? rgb_gray(0) : path_beyond(s, rays[i].dir, 0);
         if (found & bit & ~starts->plain)
-            starts->vertices[i] = path_vertex_make(s, &rays[i], &hits[i]);
+            starts->vertices[i] = path_vertex_make(s, &rays[i], &hits[i], starts->cones[i].width);
         if (found & bit & ~(starts->plain & ~starts->lanes.shining)) {
             const struct path_vertex v = wave_first(s, starts, i);
             starts->light[i] = path_emission(s, &v);
@@ -116,14 +121,29 @@ struct path_vertex wave_first(const struct stage *s, const struct wave_starts *s
 
 /* --- from vertices to rays --- */
 
-/* The vertices' materials, where some are made of others; these are never plain. */
+/* The vertices' materials, where some are made of others; these are never plain. (What a path in a
+ * body sees as an interface is made of nothing else.) */
 static void choose_materials(struct wave *w)
 {
+    const struct material *materials = stage_at(w->stage, w->stage->materials);
     const f32x8 number = rng8_single(&w->rng, rng_dimension_choice(0));
     for (uint32_t left = w->going & ~w->plain; left; left &= left - 1) {
         const uint32_t i = lowest(left);
         struct path_vertex *v = &w->paths[i].vertex;
-        v->material = material_at(w->stage, v->at.material, v->wo[2] < 0, number[i]);
+        if (v->material == &materials[v->at.material]) {
+            const struct material_side side = {v->at.material, v->wo[2] < 0, &v->point};
+            v->material = material_at(w->stage, &side, number[i]);
+        }
+    }
+}
+
+/* The materials of the vertices that have textures, filled. */
+static void apply_textures(struct wave *w)
+{
+    for (uint32_t left = w->going & ~w->plain; left; left &= left - 1) {
+        const uint32_t i = lowest(left);
+        struct path_vertex *v = &w->paths[i].vertex;
+        v->material = textured_material(w->stage, v->material, &v->point, &w->textured[i]);
     }
 }
 
@@ -160,14 +180,16 @@ static void look_at_lights(struct wave *w, struct direct *d)
         return;
     if (lanes)
         d->lanes = lanes & path8_light_directly(s, &w->lanes, &w->lamp, w->shadows, &d->of_lanes);
+    struct light_pick picks[WAVE_LANES], *const picked = s->light_nodes.count ? picks : NULL;
+    for (uint32_t left = w->going & w->plain & ~lanes; left; left &= left - 1)
+        w->paths[lowest(left)] = path_of_lane(w, lowest(left));
+    if (picked)
+        wave_pick(w, picks);
     for (uint32_t left = w->going & ~lanes; left; left &= left - 1) {
         const uint32_t i = lowest(left);
-        const struct sobol_bits lamp = {w->lamp.u[i], w->lamp.v[i]};
-        if (w->plain >> i & 1)
-            w->paths[i] = path_of_lane(w, i);
-        d->others |=
-            (uint32_t)path_light_directly(s, &w->paths[i], lamp, &w->shadows[i], &d->of_others[i])
-            << i;
+        const struct path_lamp lamp = {{w->lamp.u[i], w->lamp.v[i]}, picked ? &picked[i] : NULL};
+        if (path_light_directly(s, &w->paths[i], &lamp, &w->shadows[i], &d->of_others[i]))
+            d->others |= 1u << i;
     }
 }
 
@@ -223,7 +245,7 @@ static uint32_t scatter(struct wave *w)
             .first = w->draw.first[i] != 0,
             .may_end = w->draw.may_end[i] != 0,
         };
-        next |= (uint32_t)path_scatter(&w->paths[i], &one, &w->rays[i]) << i;
+        next |= (uint32_t)path_scatter(w->stage, &w->paths[i], &one, &w->rays[i]) << i;
     }
     return next;
 }
@@ -249,10 +271,10 @@ static void leave_scene(struct wave *w, uint32_t which)
     }
 }
 
-/* A vertex in lanes that emits. */
-static void find_emission(struct wave *w, const struct path8_vertex *at, uint32_t i)
+/* A vertex in lanes that emits. lane: the path has come from there, too. */
+static void find_emission(struct wave *w, const struct path8_vertex *at, uint32_t i, bool lane)
 {
-    struct path p = path_of_lane(w, i);
+    struct path p = lane ? path_of_lane(w, i) : w->paths[i];
     const struct path_vertex v = vertex_of_lane(w->stage, at, i);
     path_arrive(w->stage, &p, &v);
     vec8_set_lane(&w->lanes.light, i, p.light);
@@ -271,9 +293,21 @@ static void arrive_in_media(struct wave *w, uint32_t which, uint32_t found,
     for (; which; which &= which - 1) {
         const uint32_t i = lowest(which);
         const struct ray_hit *hit = found >> i & 1 ? &hits[i] : NULL;
-        w->going |= (uint32_t)path_media_arrive(w->stage, &w->paths[i], &w->rays[i], hit) << i;
+        w->going |=
+            (uint32_t)path_media_arrive(w->stage, &w->paths[i], &w->rays[i], hit, w->cones[i].width)
+            << i;
     }
     w->going &= not_cut(w);
+}
+
+/* Along the rays, to what they have met. */
+static void follow_cones(struct wave *w, uint32_t which, const struct ray_hit hits[])
+{
+    for (; which; which &= which - 1) {
+        const uint32_t i = lowest(which);
+        const float pdf_w = w->plain >> i & 1 ? w->lanes.pdf_w[i] : w->paths[i].pdf_w;
+        w->cones[i] = cone_along(cone_scatter(w->cones[i], pdf_w), hits[i].t);
+    }
 }
 
 static void arrive(struct wave *w, uint32_t which)
@@ -284,6 +318,8 @@ static void arrive(struct wave *w, uint32_t which)
     uint32_t found = bvh_hit_closest_8(s, which, w->rays, hits);
     if (s->masked)
         found = path_mask_pass(s, w->rngs, w->bounce + 1, found, w->rays, hits);
+    if (s->pyramids.count)
+        follow_cones(w, found, hits);
     if (s->media) {
         arrive_in_media(w, which, found, hits);
         return;
@@ -292,15 +328,16 @@ static void arrive(struct wave *w, uint32_t which)
     const uint32_t plain = path8_arrive(s, found, w->rays, hits, &at);
     for (uint32_t left = found & ~plain; left; left &= left - 1) {
         const uint32_t i = lowest(left);
-        const struct path_vertex v = path_vertex_make(s, &w->rays[i], &hits[i]);
+        const struct path_vertex v = path_vertex_make(s, &w->rays[i], &hits[i], w->cones[i].width);
         if (w->plain >> i & 1)
             leave_lanes(w, i);
         path_arrive(s, &w->paths[i], &v);
     }
-    for (uint32_t left = plain & ~w->plain; left; left &= left - 1)
+    const uint32_t were_plain = w->plain;
+    for (uint32_t left = plain & ~were_plain; left; left &= left - 1)
         enter_lanes(w, lowest(left));
     for (uint32_t left = plain & at.shining; left; left &= left - 1)
-        find_emission(w, &at, lowest(left));
+        find_emission(w, &at, lowest(left), were_plain >> lowest(left) & 1);
     if (plain)
         w->lanes.vertex = at;
     w->going = found & not_cut(w);
@@ -323,9 +360,12 @@ static void step(struct wave *w)
     struct direct direct;
     if (w->stage->wrapped)
         choose_materials(w);
-    draw(w);
+    if (w->stage->slots.count)
+        apply_textures(w);
+    if (!wave_has_drawn_otherwise(w))
+        draw(w);
     look_at_lights(w, &direct);
-    const uint32_t next = scatter(w);
+    const uint32_t next = wave_kept(w, scatter(w));
     add_direct(w, &direct);
     arrive(w, next);
     w->bounce += 1;
@@ -375,14 +415,6 @@ static void begin_paths(struct wave *w, uint32_t lanes, const struct wave_starts
     }
 }
 
-/* Those of which nothing else comes. */
-static void end_paths(struct wave *w, uint32_t which, const struct wave_starts *starts,
-                      uint32_t number)
-{
-    for (; which; which &= which - 1)
-        w->radiance[number + lowest(which)] = starts->light[lowest(which)];
-}
-
 /* In a scene with media the light of the camera ray itself is the path's. False: it ends with it.
  */
 static bool begin_in_media(struct wave *w, uint32_t i, const struct wave_starts *starts, uint32_t k,
@@ -395,7 +427,8 @@ static bool begin_in_media(struct wave *w, uint32_t i, const struct wave_starts 
     p->vertex.at.p = starts->origins[k];
     const struct ray_hit *hit = starts->met >> k & 1 ? &starts->hits[k] : NULL;
     const bool goes_on =
-        path_media_begin(w->stage, p, &starts->rays[k], hit) && w->stage->settings.max_bounces > 0;
+        path_media_begin(w->stage, p, &starts->rays[k], hit, starts->cones[k].width) &&
+        w->stage->settings.max_bounces > 0;
     w->going |= (uint32_t)goes_on << i;
     w->plain &= ~(1u << i);
     if (w->terms)
@@ -417,6 +450,7 @@ static void put_in_media(struct wave *w, uint32_t which, const struct wave_start
             continue;
         w->number[i] = number + k;
         w->bounce[i] = 0;
+        w->cones[i] = starts->cones[k];
         rng8_set_lane(&w->rng, i, &rngs[k]);
         w->rngs[i] = rngs[k];
     }
@@ -433,7 +467,8 @@ void wave_put(struct wave *w, uint32_t which, const struct wave_starts *starts,
         const uint32_t i = lowest(left);
         note_terms(w->terms, 0, starts->ends >> i & 1, number + i, starts->light[i]);
     }
-    end_paths(w, which & starts->ends, starts, number);
+    for (uint32_t left = which & starts->ends; left; left &= left - 1)
+        w->radiance[number + lowest(left)] = starts->light[lowest(left)];
     which &= ~starts->ends;
     while (which) {
         const uint32_t all = (1u << WAVE_LANES) - 1;
@@ -447,6 +482,7 @@ void wave_put(struct wave *w, uint32_t which, const struct wave_starts *starts,
             taken |= 1u << i;
             k[i] = start;
             w->number[i] = number + start;
+            w->cones[i] = starts->cones[start];
             rng8_set_lane(&w->rng, i, &rngs[start]);
             w->rngs[i] = rngs[start];
         }

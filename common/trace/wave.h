@@ -13,10 +13,12 @@
 #define COMMON_TRACE_WAVE_H
 
 #include "common/layers.h"
+#include "common/trace/cone.h"
 #include "common/trace/path.h"
 #include "common/trace/path8.h"
 #include "common/trace/path_media.h"
 #include "common/trace/rng.h"
+#include "common/trace/sampler.h"
 
 enum { WAVE_LANES = 8 };
 
@@ -32,6 +34,7 @@ struct wave_starts {
     vec3 origins[WAVE_LANES];    /* of the camera rays */
     struct ray rays[WAVE_LANES]; /* behind what masks let them through */
     struct ray_hit hits[WAVE_LANES];
+    struct cone cones[WAVE_LANES]; /* of the rays where they have arrived; see cone.h */
 };
 
 /* light[k][n]: of the light that path n finds, what was scattered at most k times. */
@@ -51,8 +54,10 @@ struct wave {
     uint32_t plain; /* where the path is: in lanes, or in paths */
     struct path8 lanes;
     struct path paths[WAVE_LANES];
-    struct path_media media[WAVE_LANES]; /* of paths in a scene with media */
-    uint32_t number[WAVE_LANES];         /* the path's */
+    struct path_media media[WAVE_LANES];  /* of paths in a scene with media */
+    uint32_t number[WAVE_LANES];          /* the path's */
+    struct cone cones[WAVE_LANES];        /* of the rays that have led to the vertices */
+    struct material textured[WAVE_LANES]; /* the vertices' materials, of those with textures */
     u32x8 bounce;
     struct rng8 rng;             /* at the bounce where the lane is */
     struct rng rngs[WAVE_LANES]; /* the same, at the first bounce */
@@ -71,7 +76,7 @@ struct wave {
 void wave_begin(const struct stage *, uint32_t which, const struct ray rays[],
                 const struct rng rngs[], struct wave_starts *);
 
-/* Of a ray that met a surface. */
+/* Of a ray that met a surface; its material as it lies in the stage. */
 struct path_vertex wave_first(const struct stage *, const struct wave_starts *, uint32_t i);
 
 /* radiance[n]: one unbiased estimate of what arrives along the ray of path n, cut at
@@ -85,5 +90,28 @@ void wave_put(struct wave *, uint32_t which, const struct wave_starts *, const s
               uint32_t number);
 
 void wave_finish(struct wave *);
+
+/* --- of wave.c alone: what it does otherwise (wave_otherwise.c) --- */
+
+void wave_draw_otherwise(struct wave *);
+uint32_t wave_smooth_alone(const struct wave *, uint32_t next);
+
+/* By other samplers than Sobol's: all numbers of a bounce, whether there is a use for them or not.
+ */
+static inline bool wave_has_drawn_otherwise(struct wave *w)
+{
+    if (sampler_is_sobol(&w->stage->settings))
+        return false;
+    wave_draw_otherwise(w);
+    return true;
+}
+
+/* The paths that have a next ray and go on: of Whitted's those from smooth surfaces (T. Whitted,
+ * "An Improved Illumination Model for Shaded Display", CACM 23(6), 1980). */
+static inline uint32_t wave_kept(const struct wave *w, uint32_t next)
+{
+    const bool whitted = w->stage->settings.integrator == INTEGRATOR_WHITTED;
+    return __builtin_expect(whitted, false) ? wave_smooth_alone(w, next) : next;
+}
 
 #endif

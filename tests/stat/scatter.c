@@ -23,6 +23,13 @@ static bool material_sample(const void *what, vec3 wo, float lobe, struct square
     return bsdf_sample(what, wo, lobe, q, s);
 }
 
+static double index_of(const struct material *m)
+{
+    if (m->kind == MATERIAL_PRINCIPLED && m->principled.transmission > 0)
+        return (double)m->principled.ior;
+    return m->kind == MATERIAL_DIELECTRIC ? (double)m->dielectric.ior : 1;
+}
+
 static float lobe_width(const struct material *m)
 {
     switch (m->kind) {
@@ -35,6 +42,7 @@ static float lobe_width(const struct material *m)
     case MATERIAL_RETROREFLECTOR:
         return m->retro.alpha;
     case MATERIAL_PLASTIC: /* a wide lobe, too */
+    case MATERIAL_PRINCIPLED:
     case MATERIAL_CLOTH:
     case MATERIAL_DIFFUSE:
     case MATERIAL_MIRROR:
@@ -43,6 +51,7 @@ static float lobe_width(const struct material *m)
     case MATERIAL_MIX:
     case MATERIAL_MASK:
     case MATERIAL_TWO_SIDED:
+    case MATERIAL_PANE:
         break;
     }
     return 1;
@@ -55,6 +64,9 @@ static double largest_weight(const struct material *m)
         return 3;
     if (m->kind == MATERIAL_PLASTIC)
         return 40;
+    if (m->kind ==
+        MATERIAL_PRINCIPLED) /* seen from the side, a coat of small chance is met head on */
+        return 200;
     if (m->kind == MATERIAL_CLOTH)
         return 3;
     if (m->kind == MATERIAL_ROUGH_DIFFUSE)
@@ -69,7 +81,7 @@ struct scatter scatter_of(const struct material *m)
         .pdf_w = material_pdf_w,
         .sample = material_sample,
         .what = m,
-        .ior = m->kind == MATERIAL_DIELECTRIC ? (double)m->dielectric.ior : 1,
+        .ior = index_of(m),
         .alpha = lobe_width(m),
         .retro = m->kind == MATERIAL_RETROREFLECTOR,
         .most = largest_weight(m),

@@ -1,0 +1,304 @@
+/* SPDX-License-Identifier: MIT */
+#include "common/trace/bsdf_principled.h"
+
+#include "common/trace/albedo.h"
+#include "common/trace/bsdf_glass.h"
+#include "common/trace/coat.h"
+#include "common/trace/fresnel.h"
+#include "common/trace/local.h"
+#include "common/trace/microfacet.h"
+#include "common/trace/sheen.h"
+#include "common/trace/warp.h"
+
+enum lobe { LOBE_COAT, LOBE_SHEEN, LOBE_FACETS, LOBE_EVEN, LOBE_GLASS, LOBES };
+
+/* What depends on wo alone. */
+struct view {
+    const struct material *m;
+    struct material glass;
+    struct coat coat, base; /* the clear coat's boundary, and that of what is not metal */
+    float opaque, through;  /* shares of diffuse base and way through; the rest is metal */
+    rgb passes;             /* coat and sheen, along wo */
+    rgb diffuse;            /* f of the diffuse base is this times what passes along wi */
+    rgb again;              /* of metal: what its facets reflect again, likewise */
+    float chance[LOBES];    /* add up to 1, or are all 0 */
+};
+
+static bool is_smooth(float alpha)
+{
+    return alpha < BSDF_LEAST_ALPHA;
+}
+
+static rgb smaller(rgb a, rgb b)
+{
+    return vec3_choose(a < b, a, b);
+}
+
+/* --- what passes --- */
+
+static float passes_coat(const struct view *v, float cos)
+{
+    const float share = v->m->principled.clearcoat;
+    return share > 0 ? 1 - share * (1 - coat_passes(&v->coat, cos)) : 1;
+}
+
+static rgb passes_sheen(const struct view *v, float cos)
+{
+    const rgb color = v->m->principled.sheen_color;
+    if (rgb_is_black(color))
+        return rgb_gray(1);
+    return 1 - color * sheen_albedo(v->m->principled.sheen_roughness, cos);
+}
+
+static rgb passes_both(const struct view *v, float cos)
+{
+    return passes_sheen(v, cos) * passes_coat(v, cos);
+}
+
+/* The mean of all that passes to the diffuse base, weighted by the cosine: six points of Gauss and
+ * Legendre, even in sqrt(cos), since it is steep where cos is small. */
+static rgb passes_mean(const struct view *v)
+{
+    static const float x[6] = {0.0337652429f, 0.169395307f, 0.380690407f,
+                               0.619309593f,  0.830604693f, 0.966234757f};
+    static const float weight[6] = {0.0856622462f, 0.180380787f, 0.233956967f,
+                                    0.233956967f,  0.180380787f, 0.0856622462f};
+    if (!(v->m->principled.clearcoat > 0) && rgb_is_black(v->m->principled.sheen_color))
+        return rgb_gray(coat_passes_mean(&v->base));
+    rgb sum = rgb_gray(0);
+    for (int i = 0; i < 6; i++) {
+        const float cos = x[i] * x[i];
+        sum += passes_both(v, cos) * (coat_passes(&v->base, cos) * 4 * cos * x[i] * weight[i]);
+    }
+    return sum;
+}
+
+/* --- the parts --- */
+
+static void set_chances(struct view *v, vec3 wo)
+{
+    const struct material *m = v->m;
+    const float below = rgb_max(v->passes), base = coat_passes(&v->base, wo[2]);
+    const float coat = passes_coat(v, wo[2]), metallic = m->principled.metallic;
+    float *c = v->chance, sum = 0;
+    c[LOBE_COAT] = 1 - coat;
+    c[LOBE_SHEEN] = (1 - vec3_dot(passes_sheen(v, wo[2]), rgb_gray(1.0f / 3))) * coat;
+    c[LOBE_FACETS] =
+        below * (metallic * rgb_max(m->principled.base_color) + (1 - metallic) * (1 - base));
+    c[LOBE_EVEN] = rgb_max(v->diffuse * base * v->passes + v->again);
+    c[LOBE_GLASS] = below * v->through * base;
+    for (int i = 0; i < LOBES; i++)
+        sum += c[i];
+    for (int i = 0; sum > 0 && i < LOBES; i++)
+        c[i] /= sum;
+}
+
+/* Kulla and Conty's lobe of what facets reflect again, coloured by F's mean (bsdf_metal.c). */
+static rgb metal_again(const struct view *v, vec3 wo)
+{
+    const float alpha = v->base.alpha;
+    if (!(v->m->principled.metallic > 0) || is_smooth(alpha))
+        return rgb_gray(0);
+    const struct facet a = {alpha, alpha};
+    const float missing = albedo_missing_mean(a);
+    const rgb f = v->m->principled.base_color + (1 - v->m->principled.base_color) * (1.0f / 21);
+    const rgb color = f * f * (1 - missing) / (1 - f * missing);
+    return color * (v->m->principled.metallic * albedo_missing(wo, a) / missing);
+}
+
+static struct view view_make(const struct material *m, vec3 wo)
+{
+    const float alpha = m->principled.roughness * m->principled.roughness;
+    const float coat = m->principled.clearcoat_roughness * m->principled.clearcoat_roughness;
+    const float clear = (1 - m->principled.metallic) * m->principled.transmission;
+    struct view v = {.m = m,
+                     .glass = {.kind = MATERIAL_DIELECTRIC},
+                     .coat = {1.5f, coat},
+                     .base = {m->principled.ior, alpha},
+                     .opaque = (1 - m->principled.metallic) - clear,
+                     .through = clear,
+                     .chance = {0}};
+    v.glass.dielectric.ior = m->principled.ior;
+    v.glass.dielectric.alpha = alpha;
+    if (wo[2] < 0) {
+        v.chance[LOBE_GLASS] = 1;
+        return v;
+    }
+    v.passes = passes_both(&v, wo[2]);
+    if (v.opaque > 0) {
+        const rgb k = coat_base(&v.base, coat_passes_mean(&v.base), m->principled.base_color);
+        v.diffuse = k * v.opaque / passes_mean(&v);
+    }
+    v.again = metal_again(&v, wo);
+    set_chances(&v, wo);
+    return v;
+}
+
+/* F of the base's facets. */
+static rgb facets(const struct view *v, float cos)
+{
+    const float metallic = v->m->principled.metallic, c = 1 - cos, cc = c * c;
+    const rgb f0 = v->m->principled.base_color;
+    float cos_t;
+    return (f0 + (1 - f0) * (cc * cc * (c > 0 ? c : 0))) * metallic +
+           (1 - metallic) * fresnel_dielectric(cos < 1 ? cos : 1, v->base.ior, &cos_t);
+}
+
+static rgb reflect_eval(const struct view *v, vec3 wo, vec3 wi)
+{
+    const vec3 sum = wo + wi;
+    const float length = vec3_length(sum), cos = 0.5f * length; /* the same both ways */
+    const vec3 h = sum / length;
+    const rgb passes = passes_both(v, wi[2]), less = smaller(v->passes, passes);
+    const float even = warp_cosine_pdf_w(wi[2]);
+    rgb f = v->diffuse * v->passes * passes *
+            (coat_passes(&v->base, wo[2]) * coat_passes(&v->base, wi[2]) * even);
+    if (!is_smooth(v->base.alpha)) {
+        const struct facet a = {v->base.alpha, v->base.alpha};
+        f += less * facets(v, cos) * microfacet_reflect(wo, wi, h, v->base.alpha);
+        if (v->m->principled.metallic > 0)
+            f += less * v->again * (albedo_missing(wi, a) * even);
+    }
+    if (!rgb_is_black(v->m->principled.sheen_color)) {
+        const float a = passes_coat(v, wo[2]), b = passes_coat(v, wi[2]);
+        f += v->m->principled.sheen_color *
+             ((a < b ? a : b) * sheen_eval(v->m->principled.sheen_roughness, wo, wi));
+    }
+    float cos_t;
+    if (v->m->principled.clearcoat > 0 && !is_smooth(v->coat.alpha))
+        f += v->m->principled.clearcoat *
+             fresnel_dielectric(cos < 1 ? cos : 1, v->coat.ior, &cos_t) *
+             microfacet_reflect(wo, wi, h, v->coat.alpha);
+    return f;
+}
+
+/* --- all --- */
+
+static rgb eval(const struct view *v, vec3 wo, vec3 wi)
+{
+    if (wo[2] > 0 && wi[2] > 0)
+        return reflect_eval(v, wo, wi);
+    if (!(v->through > 0) || bsdf_is_delta(&v->glass))
+        return rgb_gray(0);
+    const rgb f = bsdf_glass_eval(&v->glass, wo, wi) * v->through;
+    if (wo[2] < 0 && wi[2] < 0)
+        return f;
+    return f * v->m->principled.base_color * passes_both(v, wo[2] > 0 ? wo[2] : wi[2]);
+}
+
+static float pdf_w(const struct view *v, vec3 wo, vec3 wi)
+{
+    const float *c = v->chance;
+    float p = 0;
+    if (c[LOBE_GLASS] > 0 && !bsdf_is_delta(&v->glass))
+        p += c[LOBE_GLASS] * bsdf_glass_pdf_w(&v->glass, wo, wi);
+    if (!(wo[2] > 0 && wi[2] > 0))
+        return p;
+    const vec3 h = vec3_unit(wo + wi);
+    if (c[LOBE_COAT] > 0 && !is_smooth(v->coat.alpha))
+        p += c[LOBE_COAT] * microfacet_reflect_pdf_w(wo, h, v->coat.alpha);
+    if (c[LOBE_SHEEN] > 0)
+        p += c[LOBE_SHEEN] * sheen_pdf_w(v->m->principled.sheen_roughness, wo, wi);
+    if (c[LOBE_FACETS] > 0 && !is_smooth(v->base.alpha))
+        p += c[LOBE_FACETS] * microfacet_reflect_pdf_w(wo, h, v->base.alpha);
+    return p + c[LOBE_EVEN] * warp_cosine_pdf_w(wi[2]);
+}
+
+rgb bsdf_principled_eval(const struct material *m, vec3 wo, vec3 wi)
+{
+    const struct view v = view_make(m, wo);
+    return eval(&v, wo, wi);
+}
+
+float bsdf_principled_pdf_w(const struct material *m, vec3 wo, vec3 wi)
+{
+    const struct view v = view_make(m, wo);
+    return pdf_w(&v, wo, wi);
+}
+
+/* --- sampling --- */
+
+/* A mirror's direction, from the front. */
+static bool mirrored(const struct view *v, vec3 wo, enum lobe lobe, struct bsdf_sample *s)
+{
+    float cos_t;
+    const rgb f =
+        lobe == LOBE_COAT
+            ? rgb_gray(v->m->principled.clearcoat * fresnel_dielectric(wo[2], v->coat.ior, &cos_t))
+            : facets(v, wo[2]) * v->passes;
+    s->wi = local_reflect(wo);
+    s->pdf_w = 0;
+    s->weight = f / v->chance[lobe];
+    return true;
+}
+
+/* Smooth glass: from the front only what goes through, the rest is the facets'. */
+static bool refracted(const struct view *v, vec3 wo, float lobe, struct bsdf_sample *s)
+{
+    const bool down = wo[2] > 0;
+    const float eta = down ? v->base.ior : 1 / v->base.ior;
+    float cos_t;
+    const float f = fresnel_dielectric(down ? wo[2] : -wo[2], eta, &cos_t);
+    s->pdf_w = 0;
+    s->weight = rgb_gray(v->through / v->chance[LOBE_GLASS]);
+    if (!down && lobe < f) {
+        s->wi = local_reflect(wo);
+        return true;
+    }
+    s->wi = vec3_make(-wo[0] / eta, -wo[1] / eta, down ? -cos_t : cos_t);
+    s->scale = 1 / (eta * eta);
+    s->weight *= (down ? 1 - f : 1) * s->scale;
+    s->weight *= v->m->principled.base_color * passes_both(v, down ? wo[2] : cos_t);
+    return true;
+}
+
+static bool around_facet(float alpha, vec3 wo, struct square q, vec3 *wi)
+{
+    const vec3 h = microfacet_visible(wo, alpha, q);
+    *wi = vec3_unit(2 * vec3_dot(wo, h) * h - wo);
+    return (*wi)[2] > 0;
+}
+
+/* A direction of a lobe that is not single. */
+static bool direction_of(const struct view *v, enum lobe lobe, vec3 wo, float rest, struct square q,
+                         struct bsdf_sample *s)
+{
+    switch (lobe) {
+    case LOBE_COAT:
+        return around_facet(v->coat.alpha, wo, q, &s->wi);
+    case LOBE_SHEEN:
+        return sheen_sample(v->m->principled.sheen_roughness, wo, rest, q, &s->wi);
+    case LOBE_FACETS:
+        return around_facet(v->base.alpha, wo, q, &s->wi);
+    case LOBE_EVEN:
+        s->wi = warp_cosine(q);
+        return s->wi[2] > 0;
+    case LOBE_GLASS:
+        return bsdf_glass_sample(&v->glass, wo, rest, q, s);
+    case LOBES:
+        break;
+    }
+    __builtin_unreachable();
+}
+
+bool bsdf_principled_sample(const struct material *m, vec3 wo, float number, struct square q,
+                            struct bsdf_sample *s)
+{
+    const struct view v = view_make(m, wo);
+    int lobe = 0;
+    while (lobe < LOBES && number >= v.chance[lobe])
+        number -= v.chance[lobe++];
+    if (lobe == LOBES || (wo[2] < 0 && !(v.through > 0)))
+        return false;
+    const float rest = number / v.chance[lobe];
+    if (lobe == LOBE_GLASS && bsdf_is_delta(&v.glass))
+        return refracted(&v, wo, rest, s);
+    if ((lobe == LOBE_COAT && is_smooth(v.coat.alpha)) ||
+        (lobe == LOBE_FACETS && is_smooth(v.base.alpha)))
+        return mirrored(&v, wo, (enum lobe)lobe, s);
+    if (!direction_of(&v, (enum lobe)lobe, wo, rest < 1 ? rest : 1 - 0x1p-24f, q, s))
+        return false;
+    s->pdf_w = pdf_w(&v, wo, s->wi);
+    s->weight = eval(&v, wo, s->wi) / s->pdf_w;
+    return s->pdf_w > 0;
+}

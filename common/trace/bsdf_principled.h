@@ -1,0 +1,31 @@
+/* bsdf_principled.h - one material for most things, by the parameters of glTF 2.0.
+ *
+ *     clear coat       a share of it: facets of a dielectric of 1.5 (coat.h)
+ *       sheen          fibres (sheen.h)
+ *         base         metallic: facets with Schlick's F from the base colour, and what they would
+ *                      reflect again (albedo.h)
+ *                      else: facets of a dielectric, and below them a diffuse base as a plastic's
+ *                      (bsdf_plastic.h), or for the share `transmission` the way through
+ *                      (bsdf_glass.h), tinted by the base colour
+ *
+ * Alphas are squares of roughnesses. What lies below another layer gets what that lets pass, T: the
+ * diffuse base T(o) T(i) over T's mean, which loses nothing; all else the smaller of T(o) and T(i),
+ * so that no more passes than either allows. Both are reciprocal and make no light. From inside,
+ * only the way through is there, the rest is black.
+ *
+ * Lobes are chosen by how much they reflect; eval and pdf are of all but those that are single
+ * directions (bsdf.h). Directions as there, from either side if transmission is not 0.
+ * SPDX-License-Identifier: MIT */
+#ifndef COMMON_TRACE_BSDF_PRINCIPLED_H
+#define COMMON_TRACE_BSDF_PRINCIPLED_H
+
+#include "common/trace/bsdf.h"
+
+rgb bsdf_principled_eval(const struct material *, vec3 wo, vec3 wi);
+
+float bsdf_principled_pdf_w(const struct material *, vec3 wo, vec3 wi);
+
+bool bsdf_principled_sample(const struct material *, vec3 wo, float lobe, struct square direction,
+                            struct bsdf_sample *);
+
+#endif

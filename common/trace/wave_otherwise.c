@@ -1,0 +1,24 @@
+/* What waves do otherwise by other methods than path's with Sobol's points: apart, so that the
+ * usual way stays short. SPDX-License-Identifier: MIT */
+#include "common/trace/wave.h"
+
+void wave_draw_otherwise(struct wave *w)
+{
+    const struct scene_settings *how = &w->stage->settings;
+    w->draw.first = w->bounce == 0;
+    w->draw.may_end = w->bounce >= w->roulette_begin;
+    w->draw.direction = sampler_pair(how, &w->rng, rng_dimension(0, RNG_BSDF_DIRECTION));
+    w->lamp = sampler_pair_bits(how, &w->rng, rng_dimension(0, RNG_LIGHT));
+    w->lobe = sampler_single(how, &w->rng, rng_dimension(0, RNG_BSDF_LOBE));
+    w->draw.roulette = sampler_single(how, &w->rng, rng_dimension(0, RNG_ROULETTE));
+}
+
+uint32_t wave_smooth_alone(const struct wave *w, uint32_t next)
+{
+    for (uint32_t left = next; left; left &= left - 1) {
+        const uint32_t i = (uint32_t)__builtin_ctz(left);
+        if ((w->plain >> i & 1 ? w->lanes.pdf_w[i] : w->paths[i].pdf_w) != 0)
+            next &= ~(1u << i);
+    }
+    return next;
+}
