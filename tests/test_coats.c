@@ -289,7 +289,7 @@ static void white_principled(void)
         const struct extent one = returned(&m);
         e = (struct extent){fmin(e.least, one.least), fmax(e.most, one.most)};
     }
-    ok(e.least > 0.98 && e.most < 1.001, "F-29 stacks of layers: white returns %.5f to %.5f",
+    ok(e.least > 0.98 && e.most < 1.001, "F-29: stacks of layers: white returns %.5f to %.5f",
        e.least, e.most);
 }
 
