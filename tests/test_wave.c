@@ -25,6 +25,7 @@ struct alone {
     vec3 wo;
     rgb light, throughput;
     float scale, pdf_w;
+    struct film_work work; /* rays after the first */
 };
 
 static const struct material *material_of(const struct alone *a)
@@ -47,7 +48,10 @@ static void look_at_light(struct alone *a, uint32_t bounce)
         return;
     const vec3 wi = warp_to_local(&a->frame, l.wi);
     rgb f = bsdf_eval(m, a->wo, wi);
-    if (rgb_is_black(f) || bvh_hit_any(a->stage, &l.shadow))
+    if (rgb_is_black(f))
+        return;
+    a->work.shadow_rays++;
+    if (bvh_hit_any(a->stage, &l.shadow))
         return;
     f *= l.value;
     if (l.pdf_w != 0)
@@ -105,7 +109,7 @@ static bool arrive(struct alone *a, const struct ray *ray, bool first)
 }
 
 static rgb radiance_alone(const struct stage *s, struct ray ray, struct rng rng,
-                          uint32_t roulette_begin)
+                          uint32_t roulette_begin, struct film_work *work)
 {
     struct alone a = {.stage = s,
                       .rng = rng,
@@ -116,9 +120,12 @@ static rgb radiance_alone(const struct stage *s, struct ray ray, struct rng rng,
         return a.light;
     for (uint32_t bounce = 0; bounce < s->settings.max_bounces; bounce++) {
         look_at_light(&a, bounce);
-        if (!scatter(&a, bounce, &ray) || !arrive(&a, &ray, false))
+        const bool goes_on = scatter(&a, bounce, &ray);
+        a.work.bounce_rays += goes_on;
+        if (!goes_on || !arrive(&a, &ray, false))
             break;
     }
+    film_work_add(work, &a.work);
     return a.light;
 }
 
@@ -175,6 +182,7 @@ struct lot { /* of paths that go through a wave together */
     struct rng rngs[PATHS];
     rgb radiance[PATHS];
     int other, lit, plain, all;
+    struct film_work together, alone;
 };
 
 static void go_together(struct lot *l, struct dice *d, uint32_t key)
@@ -195,6 +203,7 @@ static void go_together(struct lot *l, struct dice *d, uint32_t key)
         l->plain += __builtin_popcount(starts.plain);
     }
     wave_finish(&wave);
+    film_work_add(&l->together, &wave.work);
 }
 
 static void compare(struct lot *l)
@@ -202,7 +211,8 @@ static void compare(struct lot *l)
     for (uint32_t i = 0; i < PATHS; i++) {
         if (!(l->which[i / WAVE_LANES] >> i % WAVE_LANES & 1))
             continue;
-        const rgb one = radiance_alone(l->stage, l->rays[i], l->rngs[i], l->roulette_begin);
+        const rgb one =
+            radiance_alone(l->stage, l->rays[i], l->rngs[i], l->roulette_begin, &l->alone);
         l->other += memcmp(&one, &l->radiance[i], 3 * sizeof(float)) != 0;
         l->lit += !rgb_is_black(one);
         l->all++;
@@ -223,6 +233,11 @@ static void paths_are_the_same(enum room room, const char *name)
     ok(l.other == 0 && l.lit > l.all / 4 && l.plain > l.all / 4,
        "%s: of %d paths in lanes %d differ from themselves alone (%d lit, %d begin in lanes)", name,
        l.all, l.other, l.lit, l.plain);
+    ok(l.together.bounce_rays == l.alone.bounce_rays &&
+           l.together.shadow_rays == l.alone.shadow_rays,
+       "%s: %lu and %lu rays, %lu and %lu of paths alone", name,
+       (unsigned long)l.together.bounce_rays, (unsigned long)l.together.shadow_rays,
+       (unsigned long)l.alone.bounce_rays, (unsigned long)l.alone.shadow_rays);
     ok(light8_can(l.stage) == (room != ROUND_LAMP), "%s: its lights are %s a table for lanes", name,
        room == ROUND_LAMP ? "not in" : "in");
     scenes_release(&s);

@@ -57,7 +57,7 @@ float path_lit(const struct stage *s, const struct material *m, float up)
 }
 
 struct path_vertex path_vertex_make(const struct stage *s, const struct ray *ray,
-                                    const struct ray_hit *hit, float width)
+                                    const struct ray_hit *hit, float width, struct film_work *work)
 {
     struct path_vertex v; /* its point stays unset when nothing is textured */
     v.at = surface_at(s, ray, hit);
@@ -68,7 +68,7 @@ struct path_vertex path_vertex_make(const struct stage *s, const struct ray *ray
     if (s->slots.count && textured_needs(v.material))
         v.point = textured_point(s, ray, hit, &v.at, width);
     if (s->details.count)
-        path_shade(s, ray, hit, &v);
+        path_shade(s, ray, hit, &v, work);
     v.at.lit = path_lit(s, v.material, v.wo[2]);
     return v;
 }
@@ -121,12 +121,13 @@ static void light_raised(const struct stage *s, struct path *p, struct sobol_bit
     if (!path_shade_is_raised(v, sample.wi, wi))
         return;
     const rgb light = reflected(s, p, &sample, wi);
-    if (rgb_is_black(light) || !path_shade_is_clear(s, v))
+    if (rgb_is_black(light) || !path_shade_is_clear(s, v, p->work))
         return;
+    p->work->shadow_rays++;
     if (!bvh_hit_any(s, &sample.shadow))
         p->light += light;
     else if (s->masked)
-        p->light += light * path_mask_share(s, sample.shadow);
+        p->light += light * path_mask_share(s, sample.shadow, p->work);
 }
 
 bool path_light_directly(const struct stage *s, struct path *p, const struct path_lamp *lamp,
@@ -163,7 +164,7 @@ bool path_scatter(const struct stage *s, struct path *p, const struct path_draw 
     p->pdf_w = next.pdf_w;
     const vec3 dir = warp_to_world(&v->frame, next.wi);
     if (!(vec3_dot(dir, v->at.ng) * next.wi[2] > 0) && /* by rounding, or a shading normal */
-        !path_shade_move(s, v, dir, next.wi))
+        !path_shade_move(s, v, dir, next.wi, p->work))
         return false;
     if (draw->may_end) { /* a channel weaker than the strongest only gains */
         const float q = survival(rgb_max(p->throughput) / p->scale);

@@ -10,6 +10,7 @@
 #ifndef COMMON_TRACE_PATH_H
 #define COMMON_TRACE_PATH_H
 
+#include "common/film.h"
 #include "common/trace/light.h"
 #include "common/trace/ray.h"
 #include "common/trace/sobol.h"
@@ -39,6 +40,7 @@ struct path_media;
 
 struct path {
     struct path_media *media; /* NULL: the scene has none (path_media.h) */
+    struct film_work *work;   /* counts the rays that are traced at a vertex, one path's alone */
     rgb light;                /* found so far */
     rgb throughput;
     float scale; /* what roulette divides out of throughput; from the first scattering on */
@@ -58,9 +60,9 @@ struct path_draw { /* the random numbers of a scattering */
  * scattered to wo came from the same side by both normals.) */
 float path_lit(const struct stage *, const struct material *, float up);
 
-/* width: of the ray's cone at the hit, in m (cone.h). */
+/* width: of the ray's cone at the hit, in m (cone.h). work: counts on. */
 struct path_vertex path_vertex_make(const struct stage *, const struct ray *,
-                                    const struct ray_hit *, float width);
+                                    const struct ray_hit *, float width, struct film_work *work);
 
 /* What a ray that leaves the scene meets. pdf_w: of its direction, by the sampling that made it; 0:
  * nothing else could have made it. */

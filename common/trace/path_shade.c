@@ -26,7 +26,7 @@ static void turn_frame(struct path_vertex *v, const struct surface_detail *detai
  * as much. A point may also lie on an edge by chance; then it is looked whether the viewer sees
  * where a ray will start, and that no wall passes there. */
 static bool is_caught(const struct stage *s, const struct ray *ray, const struct ray_hit *hit,
-                      const struct surface *at)
+                      const struct surface *at, struct film_work *work)
 {
     const float height = vec3_dot(ray->origin - at->p, at->ng);
     const float error = vec3_dot(vec3_abs(at->ng), at->p_error);
@@ -37,11 +37,12 @@ static bool is_caught(const struct stage *s, const struct ray *ray, const struct
     const vec3 start = surface_outside(at, at->p_error, ray->origin - at->p);
     const struct ray way = {ray->origin, start - ray->origin, 1 + 0x1p-20f, ray->from,
                             at->prim + 1};
+    work->shadow_rays++;
     return bvh_hit_any(s, &way);
 }
 
 void path_shade(const struct stage *s, const struct ray *ray, const struct ray_hit *hit,
-                struct path_vertex *v)
+                struct path_vertex *v, struct film_work *work)
 {
     const struct stage_detail *d = surface_detail_of(s, hit->prim, hit->instance);
     if (!d || v->wo[2] == 0)
@@ -53,15 +54,16 @@ void path_shade(const struct stage *s, const struct ray *ray, const struct ray_h
     if (smooth)
         v->raised.is = surface_detail_raise(s, d, hit, &v->at, v->wo[2], &v->raised.p);
     turn_frame(v, &detail, -ray->dir);
-    if (smooth && is_caught(s, ray, hit, &v->at))
+    if (smooth && is_caught(s, ray, hit, &v->at, work))
         v->wo[2] = 0; /* the path ends */
 }
 
 /* And a little beyond, so that what touches the point counts as being in the way. */
-bool path_shade_is_clear(const struct stage *s, const struct path_vertex *v)
+bool path_shade_is_clear(const struct stage *s, const struct path_vertex *v, struct film_work *work)
 {
     struct ray way = surface_to_point(&v->at, v->raised.p);
     way.t_max = 1 + 0x1p-10f;
+    work->shadow_rays++;
     return !bvh_hit_any(s, &way);
 }
 
@@ -75,9 +77,10 @@ struct surface path_shade_raised(const struct path_vertex *v)
     return from;
 }
 
-bool path_shade_move(const struct stage *s, struct path_vertex *v, vec3 dir, vec3 wi)
+bool path_shade_move(const struct stage *s, struct path_vertex *v, vec3 dir, vec3 wi,
+                     struct film_work *work)
 {
-    if (!path_shade_is_raised(v, dir, wi) || !path_shade_is_clear(s, v))
+    if (!path_shade_is_raised(v, dir, wi) || !path_shade_is_clear(s, v, work))
         return false;
     v->at = path_shade_raised(v);
     return true;

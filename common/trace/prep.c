@@ -4,6 +4,7 @@
 #include <assert.h>
 #include <string.h>
 
+#include "common/trace/bvh_cost.h"
 #include "common/trace/light8.h"
 #include "common/trace/medium.h"
 #include "common/trace/prep_plan.h"
@@ -178,6 +179,8 @@ static void write_trees(const struct prep_plan *p, unsigned char *block, const s
         node_begin += plan->node_count;
         block_begin += plan->leaf_count;
     }
+    for (uint32_t i = p->tree_count; i-- > 0;) /* the world's is made of the others */
+        trees[i].cost = bvh_cost((const struct stage *)(const void *)block, i);
 }
 
 /* Of a stage that is whole but for this. */

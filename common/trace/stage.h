@@ -21,7 +21,7 @@
 
 #define STAGE_MAGIC "SMSTAGE"
 
-enum { STAGE_VERSION = 4, STAGE_ALIGN = 64, STAGE_LANES = 8 };
+enum { STAGE_VERSION = 5, STAGE_ALIGN = 64, STAGE_LANES = 8 };
 
 struct stage_span {  /* an array inside the block */
     uint64_t offset; /* bytes from the start of the stage, 64-aligned */
@@ -156,6 +156,8 @@ struct stage_texture {
 struct stage_tree {
     uint32_t root;                   /* bvh.h */
     uint32_t block_begin, block_end; /* its triangles */
+    uint32_t pad;
+    double cost; /* of a ray that crosses it: bvh_cost.h */
 };
 
 /* A shape whose mesh is shared. */

@@ -7,9 +7,7 @@
 #include "common/trace/bvh.h"
 #include "common/trace/light8.h"
 #include "common/trace/wave_pick.h"
-#include "common/trace/material.h"
 #include "common/trace/path_mask.h"
-#include "common/trace/textured.h"
 
 static inline uint32_t lowest(uint32_t lanes)
 {
@@ -38,7 +36,8 @@ static struct path_vertex vertex_of_lane(const struct stage *s, const struct pat
 
 static struct path path_of_lane(const struct wave *w, uint32_t i)
 {
-    return (struct path){.light = vec8_lane(&w->lanes.light, i),
+    return (struct path){.work = w->paths[i].work,
+                         .light = vec8_lane(&w->lanes.light, i),
                          .throughput = vec8_lane(&w->lanes.throughput, i),
                          .scale = w->lanes.scale[i],
                          .pdf_w = w->lanes.pdf_w[i],
@@ -70,25 +69,27 @@ static rgb light_of(const struct wave *w, uint32_t i)
 /* --- the first vertices --- */
 
 /* Past masks: siblings share the ray, so they share its numbers. */
-static uint32_t begin_behind(const struct stage *s, const struct rng rngs[], uint32_t found,
-                             struct ray rays[], struct ray_hit hits[])
+static uint32_t begin_behind(const struct stage *s, uint32_t found, struct path_mask_rays r)
 {
     struct rng elders[WAVE_LANES];
     for (uint32_t left = found; left; left &= left - 1)
-        elders[lowest(left)] = rng_elder(&rngs[lowest(left)]);
-    return path_mask_pass(s, elders, u32x8_splat(0), found, rays, hits);
+        elders[lowest(left)] = rng_elder(&r.rngs[lowest(left)]);
+    r.rngs = elders;
+    return path_mask_pass(s, found, &r);
 }
 
 void wave_begin(const struct stage *s, uint32_t which, const struct ray rays[],
                 const struct rng rngs[], struct wave_starts *starts)
 {
     const struct ray *asked = rays;
+    struct film_work *work = &starts->work;
     struct ray passed[WAVE_LANES];
     struct ray_hit hits[WAVE_LANES];
     uint32_t found = bvh_hit_closest_8(s, which, rays, hits);
+    *work = (struct film_work){.camera_rays = (uint64_t)__builtin_popcount(which)};
     if (s->masked && found) {
         memcpy(passed, rays, (32 - (size_t)__builtin_clz(which)) * sizeof *rays);
-        found = begin_behind(s, rngs, found, passed, hits);
+        found = begin_behind(s, found, (struct path_mask_rays){rngs, {0}, passed, hits, work});
         rays = passed;
     }
     starts->met = found;
@@ -106,7 +107,8 @@ void wave_begin(const struct stage *s, uint32_t which, const struct ray rays[],
         }
         starts->light[i] = found & bit ? rgb_gray(0) : path_beyond(s, rays[i].dir, 0);
         if (found & bit & ~starts->plain)
-            starts->vertices[i] = path_vertex_make(s, &rays[i], &hits[i], starts->cones[i].width);
+            starts->vertices[i] =
+                path_vertex_make(s, &rays[i], &hits[i], starts->cones[i].width, work);
         if (found & bit & ~(starts->plain & ~starts->lanes.shining)) {
             const struct path_vertex v = wave_first(s, starts, i);
             starts->light[i] = path_emission(s, &v);
@@ -120,32 +122,6 @@ struct path_vertex wave_first(const struct stage *s, const struct wave_starts *s
 }
 
 /* --- from vertices to rays --- */
-
-/* The vertices' materials, where some are made of others; these are never plain. (What a path in a
- * body sees as an interface is made of nothing else.) */
-static void choose_materials(struct wave *w)
-{
-    const struct material *materials = stage_at(w->stage, w->stage->materials);
-    const f32x8 number = rng8_single(&w->rng, rng_dimension_choice(0));
-    for (uint32_t left = w->going & ~w->plain; left; left &= left - 1) {
-        const uint32_t i = lowest(left);
-        struct path_vertex *v = &w->paths[i].vertex;
-        if (v->material == &materials[v->at.material]) {
-            const struct material_side side = {v->at.material, v->wo[2] < 0, &v->point};
-            v->material = material_at(w->stage, &side, number[i]);
-        }
-    }
-}
-
-/* The materials of the vertices that have textures, filled. */
-static void apply_textures(struct wave *w)
-{
-    for (uint32_t left = w->going & ~w->plain; left; left &= left - 1) {
-        const uint32_t i = lowest(left);
-        struct path_vertex *v = &w->paths[i].vertex;
-        v->material = textured_material(w->stage, v->material, &v->point, &w->textured[i]);
-    }
-}
 
 static void draw(struct wave *w)
 {
@@ -213,7 +189,7 @@ static void add_through_masks(struct wave *w, const struct direct *d, uint32_t d
     for (; dark; dark &= dark - 1) {
         const uint32_t i = lowest(dark);
         const rgb all = d->lanes >> i & 1 ? vec8_lane(&d->of_lanes, i) : d->of_others[i];
-        add_to_path(w, i, all * path_mask_share(w->stage, w->shadows[i]));
+        add_to_path(w, i, all * path_mask_share(w->stage, w->shadows[i], &w->work));
     }
 }
 
@@ -317,7 +293,8 @@ static void arrive(struct wave *w, uint32_t which)
     struct path8_vertex at;
     uint32_t found = bvh_hit_closest_8(s, which, w->rays, hits);
     if (s->masked)
-        found = path_mask_pass(s, w->rngs, w->bounce + 1, found, w->rays, hits);
+        found = path_mask_pass(
+            s, found, &(struct path_mask_rays){w->rngs, w->bounce + 1, w->rays, hits, &w->work});
     if (s->pyramids.count)
         follow_cones(w, found, hits);
     if (s->media) {
@@ -328,7 +305,8 @@ static void arrive(struct wave *w, uint32_t which)
     const uint32_t plain = path8_arrive(s, found, w->rays, hits, &at);
     for (uint32_t left = found & ~plain; left; left &= left - 1) {
         const uint32_t i = lowest(left);
-        const struct path_vertex v = path_vertex_make(s, &w->rays[i], &hits[i], w->cones[i].width);
+        const struct path_vertex v =
+            path_vertex_make(s, &w->rays[i], &hits[i], w->cones[i].width, &w->work);
         if (w->plain >> i & 1)
             leave_lanes(w, i);
         path_arrive(s, &w->paths[i], &v);
@@ -359,13 +337,14 @@ static void step(struct wave *w)
     const uint32_t before = w->going;
     struct direct direct;
     if (w->stage->wrapped)
-        choose_materials(w);
+        wave_choose_materials(w);
     if (w->stage->slots.count)
-        apply_textures(w);
+        wave_apply_textures(w);
     if (!wave_has_drawn_otherwise(w))
         draw(w);
     look_at_lights(w, &direct);
     const uint32_t next = wave_kept(w, scatter(w));
+    wave_count(w, direct.lanes | direct.others, next);
     add_direct(w, &direct);
     arrive(w, next);
     w->bounce += 1;
@@ -387,6 +366,9 @@ void wave_init(struct wave *w, const struct stage *s, uint32_t roulette_begin,
     w->roulette_begin = roulette_begin;
     w->terms = terms;
     w->radiance = radiance;
+    w->work = (struct film_work){0};
+    for (int i = 0; i < WAVE_LANES; i++)
+        w->paths[i].work = &w->work;
     w->going = w->plain = 0;
     w->lobe = w->draw.roulette = (f32x8){0};
 }
