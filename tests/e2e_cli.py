@@ -55,6 +55,10 @@ def renders(f, t):
     told = json.loads(done.stdout)
     t.equal((told["output"], told["spp"], told["state"], done.stderr), (out, 8, "done", ""),
             "render --json: one object and silence")
+    png = os.path.join(f.dir, "small.png")
+    done = f.run("render", small, "-o", out, "--spp", "8", "--quiet", "--png", png, env=env)
+    with open(png, "rb") as file:
+        t.ok(done.returncode == 0 and file.read(8) == b"\x89PNG\r\n\x1a\n", "render --png: a picture beside the image")
     done = f.run("render", small, "-o", out, "--error", "0.5", "--quiet", "--json", env=env)
     told = json.loads(done.stdout)
     t.ok(done.returncode == 0 and told["error"] <= .5 and told["target"]["error"] == .5,

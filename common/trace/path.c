@@ -57,7 +57,7 @@ struct path_vertex path_vertex_make(const struct stage *s, const struct ray *ray
     v.material = (const struct material *)stage_at(s, s->materials) + v.at.material;
     v.wo = warp_to_local(&v.frame, -ray->dir);
     v.raised.is = false;
-    if (s->slots.count && textured_needs(v.material))
+    if ((s->slots.count || s->reliefs.count) && textured_needs(v.material))
         v.point = textured_point(s, ray, hit, &v.at, width);
     if (s->details.count)
         path_shade(s, ray, hit, &v, work);
