@@ -12,6 +12,7 @@ void film_work_add(struct film_work *w, const struct film_work *more)
     w->shadow_rays += more->shadow_rays;
     w->plain_vertices += more->plain_vertices;
     w->other_vertices += more->other_vertices;
+    w->units += more->units;
 }
 
 struct film_samples film_samples_make(struct tile_rect rect, struct tile_pass pass,
