@@ -276,6 +276,7 @@ struct mesh {
 enum mesh_normals {
     MESH_NORMALS_GIVEN, /* the mesh's own; a mesh without them is flat */
     MESH_NORMALS_FLAT,  /* its triangles' */
+    MESH_NORMALS_SMOOTH, /* made of its triangles': prep_smooth.c */
 };
 
 enum shape_kind { SHAPE_SPHERE, SHAPE_DISC, SHAPE_CYLINDER, SHAPE_QUAD, SHAPE_MESH };

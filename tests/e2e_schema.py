@@ -34,6 +34,7 @@ BEYOND_A_SCHEMA = {
     "film-crop-swapped": "begin against end",
     "film-pixels": "width times height",
     "mesh-index-high": "index against the count of vertices",
+    "mesh-uvs-count": "a count against the count of vertices",
     "mesh-world-huge": "a point and a transform",
     "net-mesh-file": "the schema is also for documents on disk",
     "net-environment-file": "the schema is also for documents on disk",

@@ -7,7 +7,6 @@
 
 #include "common/trace/camera.h"
 #include "common/trace/half.h"
-#include "common/trace/srgb.h"
 #include "common/trace/texture.h"
 
 #define TEXELS_MAX_BYTES ((uint64_t)16 << 30)
