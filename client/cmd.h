@@ -28,6 +28,7 @@ int cmd_watch(int argc, char *const *args);
 int cmd_fetch(int argc, char *const *args);
 int cmd_cancel(int argc, char *const *args);
 int cmd_check(int argc, char *const *args);
+int cmd_plan(int argc, char *const *args);
 int cmd_diff(int argc, char *const *args);
 int cmd_digest(int argc, char *const *args);
 
