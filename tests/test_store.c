@@ -133,8 +133,9 @@ static void former_version(void)
     store_close(s);
     sqlite3 *db = NULL;
     ok(sqlite3_open(path_of("v1.db"), &db) == SQLITE_OK &&
-           sqlite3_exec(db, "ALTER TABLE job DROP COLUMN layers; PRAGMA user_version = 1", NULL,
-                        NULL, NULL) == SQLITE_OK,
+           sqlite3_exec(
+               db, "ALTER TABLE job DROP COLUMN layers; DROP TABLE point; PRAGMA user_version = 1",
+               NULL, NULL, NULL) == SQLITE_OK,
        "it becomes one of version 1");
     sqlite3_close(db);
     struct seen seen = {.count = 0};

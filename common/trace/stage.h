@@ -339,6 +339,7 @@ struct stage {
     struct stage_span uvs;       /* struct stage_uv */
     struct stage_span colors;    /* struct stage_color */
     struct stage_span slots;     /* struct material_slot */
+    struct stage_span reliefs;   /* struct material_relief */
     struct stage_span textures;  /* struct stage_texture */
     struct stage_span pyramids;  /* struct stage_pyramid */
     struct stage_span bytes8;    /* struct stage_bytes, one if anything is kept in bytes */
