@@ -169,6 +169,7 @@ struct material {
         struct {
             float ior;   /* inside / outside, [1, 4]; inside is where the normal does not point */
             float alpha; /* GGX width, [0, 1]; 0 is smooth */
+            bool multiscatter; /* light that meets several facets is added */
         } dielectric;
         struct {
             rgb eta, k;  /* complex index of refraction per channel, eta > 0, k >= 0 */
