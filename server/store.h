@@ -37,6 +37,15 @@ struct store_failure {
     uint32_t tile, pass;
 };
 
+struct store_report {             /* report.h; of the film that the error is of */
+    double error_low, error_high; /* 95 % interval of the error; < 0: unknown */
+    double unknown, heavy; /* shares of pixels without trusted bars (evidence.h); < 0: unknown */
+    double energy;         /* mean luminance of the image */
+    double clamped, cut;   /* what settings.clamp and max_bounces have taken from that */
+    struct film_work work;
+    struct film_dropped dropped;
+};
+
 struct store_job {
     uint64_t id;     /* never 0 */
     uint64_t number; /* in order of submission, from 1; given by store_job_add */
@@ -46,7 +55,7 @@ struct store_job {
     int32_t priority;
     uint32_t width_px, height_px, tile_px;
     struct tile_rect crop;
-    uint32_t layers; /* of the film, layers.h */
+    uint32_t layers;            /* of the film, layers.h */
     struct scene_target target; /* spp: the one settled on, once that is known */
     bool settled;               /* a job with a seconds target has decided where to stop */
     int64_t created_unix_ms, started_unix_ms, finished_unix_ms; /* 0: not yet */
@@ -55,6 +64,7 @@ struct store_job {
     uint64_t passes_done; /* merged, over all tiles */
     uint32_t spp_done;    /* every pixel has at least these */
     double error;         /* < 0: unknown */
+    struct store_report report;
     uint64_t cpu_us;
     uint64_t granted, expired, returned, duplicates; /* leases; results that came twice */
     uint64_t invalid_count;

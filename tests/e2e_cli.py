@@ -55,6 +55,8 @@ def renders(f, t):
     told = json.loads(done.stdout)
     t.equal((told["output"], told["spp"], told["state"], done.stderr), (out, 8, "done", ""),
             "render --json: one object and silence")
+    odd = f.run("render", small, "-o", out, "--tile", "33", env=env)
+    t.ok(odd.returncode == 2 and "--tile: expected a multiple of 8, got 33" in odd.stderr, "render --tile: whole blocks only", odd.stderr)
     done = f.run("render", small, "-o", out, "--error", "0.5", "--quiet", "--json", env=env)
     told = json.loads(done.stdout)
     t.ok(done.returncode == 0 and told["error"] <= .5 and told["target"]["error"] == .5,
