@@ -85,6 +85,37 @@ static uint32_t digest_of_atan2(void)
     return h;
 }
 
+/* In units of 2^-52 of the result; of sine and cosine, of 1. */
+static double worst_of_wide(int n)
+{
+    struct dice dice = dice_make(6);
+    double worst = 0;
+    for (int i = 0; i < n; i++) {
+        const double y = dice_range(&dice, -1, 1) * exp2(-(i % 30)), x = dice_range(&dice, -1, 1);
+        const double truth = atan2(y, x), angle = dice_range(&dice, -100, 100) * exp2(-(i % 30));
+        double s, c;
+        fmath_sincos_wide(angle, &s, &c);
+        worst = fmax(worst, fabs(fmath_atan2_wide(y, x) / truth - 1));
+        worst = fmax(worst, fmax(fabs(s - sin(angle)), fabs(c - cos(angle))));
+    }
+    return worst * 0x1p52;
+}
+
+static uint64_t digest_of_wide(void)
+{
+    uint64_t h = 1;
+    for (uint32_t i = 0; i < 100000; i++) {
+        double out[3];
+        uint64_t bits[3];
+        out[0] = fmath_atan2_wide((double)(i % 317) - 158, (double)(i % 211) - 105);
+        fmath_sincos_wide(i * 0.001 - 50, &out[1], &out[2]);
+        memcpy(bits, out, sizeof bits);
+        for (int k = 0; k < 3; k++)
+            h = h * 31 + bits[k];
+    }
+    return h;
+}
+
 static double worst_of_exp(int n)
 {
     struct dice dice = dice_make(4);
@@ -130,6 +161,14 @@ int main(void)
            fmath_atan2(2, 0) == FMATH_HALF_PI && fmath_atan2(-2, 0) == -FMATH_HALF_PI,
        "angles along the axes are exact, of no direction 0");
     ok(digest_of_atan2() == 0x78a942d1, "100000 angles have the bits of every other build");
+
+    ok(worst_of_wide(n) <= 2, "angles, sine and cosine in double within 2^-51");
+    ok(fmath_atan2_wide(0, 0) == 0 && fmath_atan2_wide(2, 0) == 1.5707963267948966 &&
+           fmath_atan2_wide(0, -1) == 3.1415926535897932,
+       "angles along the axes are exact in double, too");
+    const uint64_t wide = digest_of_wide();
+    ok(wide == 0x9ed06d496f0d730a, "100000 of them have the bits of every other build (%lx)",
+       (unsigned long)wide);
 
     ok(worst_of_exp(n) < 1, "powers of e within 1 ulp");
     ok(fmath_exp(0) == 1 && fmath_exp(-88) == 0 && fmath_exp(-INFINITY) == 0,

@@ -43,8 +43,8 @@ static inline void fmath_sincos(float x, float *s, float *c)
     fmath_sincos_quarters((float)r, k, s, c);
 }
 
-/* e^x for x <= 0; what is below e^-87 is 0. In double, rounded once: x = k ln 2 + f, |f| <= ln 2 / 2,
- * and e^f by its series. */
+/* e^x for x <= 0; what is below e^-87 is 0. In double, rounded once: x = k ln 2 + f, |f| <= ln 2 /
+ * 2, and e^f by its series. */
 static inline float fmath_exp(float x)
 {
     if (!(x > -87))
@@ -148,6 +148,47 @@ static inline float fmath_atan2(float y, float x)
     angle = a < b ? 1.5707963267948966 - angle : angle;
     angle = x < 0 ? 3.1415926535897932 - angle : angle;
     return (float)(y < 0 ? -angle : angle);
+}
+
+/* --- for what is worked out in double --- */
+
+/* sin x and cos x for |x| <= 100, to 2^-51: quarter turns are subtracted in two parts, as in
+ * fmath_sincos, and what is left goes into the series. */
+static inline void fmath_sincos_wide(double x, double *s, double *c)
+{
+    const double quarters = x * 0.63661977236758134;
+    const int k = (int)(quarters + (quarters < 0 ? -0.5 : 0.5));
+    const double r = (x - k * 0x1.921fb544p+0) - k * 0x1.0b4611a626331p-34, z = r * r;
+    double sine = 1, cosine = 1;
+    for (int n = 18; n > 0; n -= 2) {
+        sine = 1 - z * (1.0 / (n * (n + 1))) * sine;
+        cosine = 1 - z * (1.0 / (n * (n - 1))) * cosine;
+    }
+    sine *= r;
+    const double a = k & 1 ? cosine : sine, b = k & 1 ? sine : cosine;
+    *s = k & 2 ? -a : a;
+    *c = (k + 1) & 2 ? -b : b;
+}
+
+/* As fmath_atan2, to 2^-51 of the result: the quotient r <= 1 is that of the angle whose tangent is
+ * its nearest quarter, and of a rest below 1/8, which goes into the series. */
+static inline double fmath_atan2_wide(double y, double x)
+{
+    static const double known[] = {0, 0.24497866312686415, 0.46364760900080612, 0.64350110879328438,
+                                   0.78539816339744831};
+    const double a = x < 0 ? -x : x, b = y < 0 ? -y : y;
+    if (!(a + b > 0))
+        return 0;
+    const double low = a < b ? a : b, high = a < b ? b : a;
+    const int k = (int)(4 * (low / high) + 0.5);
+    const double t = k * 0.25, r = (low - t * high) / (high + t * low), z = r * r;
+    double p = 0;
+    for (int n = 17; n > 0; n -= 2)
+        p = 1.0 / n - z * p;
+    double angle = known[k] + r * p;
+    angle = a < b ? 1.5707963267948966 - angle : angle;
+    angle = x < 0 ? 3.1415926535897932 - angle : angle;
+    return y < 0 ? -angle : angle;
 }
 
 #endif

@@ -3,6 +3,7 @@
 
 #include "common/trace/light_cylinder.h"
 #include "common/trace/light_map.h"
+#include "common/trace/light_solid.h"
 #include "common/trace/light_spot.h"
 #include "common/trace/light_sun.h"
 #include "common/trace/light_tree.h"
@@ -65,6 +66,19 @@ static double tree_share(const struct stage *s)
     return (double)((const float *)stage_at(s, s->pick_cdf))[s->far_begin];
 }
 
+/* Its corners, so that they are there when all walks have ended and it is sampled. Of the many
+ * lights of a mesh they are in nobody's cache. */
+static void fetch_place(const struct stage *s, uint32_t emitter)
+{
+    const struct emitter *e = emitter_at(s, emitter);
+    if (e->kind != EMITTER_PRIM || e->place.kind != STAGE_TRIANGLE)
+        return;
+    const struct stage_block *block =
+        (const struct stage_block *)stage_at(s, s->blocks) + e->place.index / STAGE_LANES;
+    for (size_t i = 0; i < sizeof *block; i += 64)
+        __builtin_prefetch((const unsigned char *)block + i);
+}
+
 void light_pick(const struct stage *s, const struct surface *const from[], const uint32_t bits[],
                 uint32_t count, struct light_pick picks[])
 {
@@ -85,9 +99,12 @@ void light_pick(const struct stage *s, const struct surface *const from[], const
     struct light_tree_pick found[LIGHT_TREE_WALKS];
     if (walks)
         light_tree_pick(s, walker, u, walks, found);
-    for (uint32_t i = 0; i < walks; i++)
+    for (uint32_t i = 0; i < walks; i++) {
+        if (found[i].emitter != STAGE_NONE)
+            fetch_place(s, found[i].emitter);
         picks[which[i]] = (struct light_pick){
             found[i].emitter, (float)(share * found[i].probability), rest_of(found[i].rest)};
+    }
 }
 
 /* The probability of an emitter that has a place. */
@@ -95,6 +112,48 @@ static float place_probability(const struct stage *s, const struct surface *from
 {
     return (float)(s->light_nodes.count ? tree_share(s) * light_tree_probability(s, from, emitter)
                                         : pick_probability(s, emitter));
+}
+
+/* --- triangles near by: uniform by solid angle, a quad's both together --- */
+
+struct near {
+    uint32_t begin;    /* emitter */
+    float probability; /* of it and, in a quad, the next one */
+    double before;     /* the part of it that is before the one that was asked for */
+    struct light_solid solid;
+};
+
+/* probability: of the emitter, whose front `from` sees. */
+static struct near near_make(const struct stage *s, const struct surface *from, uint32_t emitter,
+                             float probability)
+{
+    const int32_t partner = emitter_at(s, emitter)->partner;
+    struct near n = {.begin = partner < 0 ? emitter - 1 : emitter, .probability = probability};
+    if (partner) {
+        const float other = place_probability(s, from, emitter + (uint32_t)partner);
+        n.before = partner < 0 ? (double)other : 0;
+        n.probability += other;
+    }
+    vec3 corners[4];
+    struct stage_triangle t = stage_triangle_at(s, emitter_at(s, n.begin)->place.index, STAGE_NONE);
+    for (int i = 0; i < 3; i++)
+        corners[i] = vec3_load(t.v[i]);
+    if (partner)
+        t = stage_triangle_at(s, emitter_at(s, n.begin + 1)->place.index, STAGE_NONE);
+    corners[3] = vec3_load(t.v[2]);
+    n.solid = light_solid_make(corners, partner ? 4 : 3, from->p);
+    return n;
+}
+
+static float near_pdf_w(const struct near *n)
+{
+    const double half = n->solid.half[0] + n->solid.half[1];
+    return half > 0 ? n->probability / (float)(2 * half) : 0;
+}
+
+static bool is_near(const struct emitter *e, vec3 ng, vec3 p)
+{
+    return light_solid_is_near(vec3_load(e->at), e->near_dd, ng, p);
 }
 
 /* --- triangles and discs: uniform by area --- */
@@ -181,6 +240,35 @@ static struct surface point_on_sphere(const struct stage *s, struct stage_id id,
 
 /* --- the choice --- */
 
+/* At a point that shines, chosen with the density pdf_w. */
+static bool look_at(const struct surface *from, const struct surface *on, float pdf_w, rgb radiance,
+                    struct light_sample *out)
+{
+    const vec3 d = on->p - from->p;
+    if (!(pdf_w > 0 && vec3_dot(d, d) > 0)) /* at contact it may be the very place */
+        return false;
+    out->pdf_w = pdf_w;
+    out->value = radiance / pdf_w;
+    out->wi = vec3_unit(d);
+    out->shadow = surface_to_surface(from, on);
+    return true;
+}
+
+static bool sample_near(const struct stage *s, const struct surface *from, const struct emitter *e,
+                        float pick, struct square q, struct light_sample *out)
+{
+    const struct near n = near_make(s, from, (uint32_t)(e - emitter_at(s, 0)), pick);
+    const float pdf_w = near_pdf_w(&n);
+    if (!(pdf_w > 0))
+        return false;
+    const double u = (n.before + (double)q.u * (double)pick) / (double)n.probability;
+    const struct light_solid_place place = light_solid_sample(&n.solid, u, (double)q.v);
+    const struct emitter *of = emitter_at(s, n.begin + place.triangle);
+    const struct stage_id id = {of->prim, of->place, STAGE_NONE};
+    const struct surface on = surface_on_triangle(s, id, place.b.u, place.b.v);
+    return look_at(from, &on, pdf_w, vec3_load(e->radiance), out);
+}
+
 /* No flat or round primitive sees its own front, so `from` never chooses its own. */
 static bool sample_primitive(const struct stage *s, const struct surface *from,
                              const struct emitter *e, float pick, struct square q,
@@ -194,6 +282,8 @@ static bool sample_primitive(const struct stage *s, const struct surface *from,
     switch ((enum stage_kind)id.place.kind) {
     case STAGE_TRIANGLE:
         on = point_on_triangle(s, id, q);
+        if (is_near(e, on.ng, from->p))
+            return sample_near(s, from, e, pick, q, out);
         pdf_w = area_pdf_w(on.p - from->p, on.ng, e->area);
         break;
     case STAGE_DISC:
@@ -219,13 +309,7 @@ static bool sample_primitive(const struct stage *s, const struct surface *from,
         break;
     }
     }
-    if (!(pdf_w > 0))
-        return false;
-    out->pdf_w = pick * pdf_w;
-    out->value = vec3_load(e->radiance) / out->pdf_w;
-    out->wi = vec3_unit(on.p - from->p);
-    out->shadow = surface_to_surface(from, &on);
-    return true;
+    return look_at(from, &on, pick * pdf_w, vec3_load(e->radiance), out);
 }
 
 static bool sample_point(const struct stage *s, const struct surface *from, const struct emitter *e,
@@ -337,6 +421,11 @@ float light_pdf_w(const struct stage *s, const struct surface *from, const struc
     const vec3 p = from->p;
     switch ((enum stage_kind)e->place.kind) {
     case STAGE_TRIANGLE:
+        if (is_near(e, at->ng, p)) {
+            const struct near n = near_make(s, from, at->emitter, pick);
+            return near_pdf_w(&n);
+        }
+        return pick * area_pdf_w(at->p - p, at->ng, e->area);
     case STAGE_DISC:
         return pick * area_pdf_w(at->p - p, at->ng, e->area);
     case STAGE_CYLINDER: {

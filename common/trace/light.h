@@ -4,8 +4,9 @@
  * where in that part is a u again. Of many lights that have a place, which all share one part, a
  * tree picks one by what it may mean to the point (light_tree.h). So points that are spread evenly
  * over the square are spread so over neighbours in the table, such as the triangles of a quad. Then
- * a point on the emitter: triangles and discs uniformly by area, spheres uniformly by the solid
- * angle they fill, cylinders nearly so (light_cylinder.h), the sun uniformly in its cone,
+ * a point on the emitter: triangles uniformly by area, or where they are near by solid angle, the
+ * halves of a quad together (light_solid.h); discs uniformly by area, spheres uniformly by the
+ * solid angle they fill, cylinders nearly so (light_cylinder.h), the sun uniformly in its cone,
  * environment maps pixel by pixel (light_map.h), point,
  * spot and distant lights as they are. Emission is one-sided: only the front of a surface shines.
  *

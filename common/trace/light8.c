@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "common/trace/light8.h"
 
+#include "common/trace/light.h"
 #include "common/trace/warp8.h"
 
 /* --- the choice of the lamp, and where on it: as pick_emitter and pick_rest of light.c --- */
@@ -59,6 +60,34 @@ static inline struct vec8 column(const float v[3][STAGE_LANES], u32x8 lamp)
                          f32x8_permute(f32x8_load(v[2]), lamp)};
 }
 
+/* As light_solid_is_near. */
+static inline i32x8 is_near(const struct stage_lamps *l, u32x8 lamp, const struct surface8 *from,
+                            const struct vec8 *ng)
+{
+    const struct vec8 d = vec8_sub(column(l->middle, lamp), from->p);
+    const f32x8 none = {0};
+    return (vec8_dot(d, d) < f32x8_permute(f32x8_load(l->near_dd), lamp)) &
+           (vec8_dot(d, *ng) < none);
+}
+
+/* Where the lamp is near; few vertices are, and it takes double. True: something may arrive. */
+static bool sample_alone(const struct stage *s, const struct surface8 *from, struct sobol_bits q,
+                         uint32_t i, struct light8_sample *out, struct ray *shadow)
+{
+    const struct surface at = {.p = vec8_lane(&from->p, i),
+                               .p_error = vec8_lane(&from->p_error, i),
+                               .ng = vec8_lane(&from->ng, i),
+                               .prim = from->prim[i]};
+    struct light_sample light;
+    if (!light_sample(s, &at, q, &light))
+        return false;
+    vec8_set_lane(&out->wi, i, light.wi);
+    vec8_set_lane(&out->value, i, light.value);
+    out->pdf_w[i] = light.pdf_w;
+    *shadow = light.shadow;
+    return true;
+}
+
 uint32_t light8_sample(const struct stage *s, const struct surface8 *from,
                        const struct sobol8_bits *q, struct light8_sample *out, struct ray shadow[8])
 {
@@ -85,7 +114,14 @@ uint32_t light8_sample(const struct stage *s, const struct surface8 *from,
     out->value = vec8_over(column(l->radiance, c.lamp), out->pdf_w);
     out->wi = vec8_over(d, length);
     surface8_to_surface(from, &on, d, length, shadow);
-    return i32x8_mask(seen);
+    uint32_t lit = i32x8_mask(seen);
+    for (uint32_t near = i32x8_mask(is_near(l, c.lamp, from, &on.ng)); near; near &= near - 1) {
+        const uint32_t i = (uint32_t)__builtin_ctz(near);
+        const struct sobol_bits bits = {q->u[i], q->v[i]};
+        lit &= ~(1u << i);
+        lit |= (uint32_t)sample_alone(s, from, bits, i, out, &shadow[i]) << i;
+    }
+    return lit;
 }
 
 /* --- the table --- */
@@ -101,7 +137,9 @@ static void lamp_fill(const struct stage *s, uint32_t lane, const struct emitter
             l->v[i][k][lane] = t.v[i][k];
         l->normal[k][lane] = on.ng[k];
         l->radiance[k][lane] = e->radiance[k];
+        l->middle[k][lane] = e->at[k];
     }
+    l->near_dd[lane] = e->near_dd;
     l->area[lane] = e->area;
     l->prim[lane] = e->prim;
 }

@@ -82,8 +82,20 @@ static f32x8 received(const struct stage_light_node *n, const struct view *v,
 
 struct weights {
     _Alignas(32) float of[STAGE_LANES];
-    double sum;
+    f64x4 upto[2]; /* the sums of all lanes up to each, itself included; the last is that of all */
 };
+
+static double sum_of(const struct weights *w)
+{
+    return w->upto[1][3];
+}
+
+static f64x4 sums_upto(f64x4 x)
+{
+    const f64x4 zero = {0};
+    x += __builtin_shufflevector(zero, x, 0, 4, 5, 6);
+    return x + __builtin_shufflevector(zero, x, 0, 1, 4, 5);
+}
 
 /* inner: of a node that was not passed by, of whose children none need be in sight. */
 static void weigh(const struct stage_light_node *n, const struct surface *from, bool inner,
@@ -102,32 +114,27 @@ static void weigh(const struct stage_light_node *n, const struct surface *from, 
     const f32x8 weight =
         f32x8_max(f32x8_min(intensity * cosines / dd, zero + 0x1p100f), zero + 0x1p-100f);
     const f32x8 weights = f32x8_choose((cosines > zero) & (intensity > zero), weight, zero);
-    f32x8_store(w->of, weights);
-    if (inner && !i32x8_mask(weights > zero))
-        f32x8_store(w->of, intensity);
-    w->sum = 0;
-    for (int i = 0; i < STAGE_LANES; i++)
-        w->sum += (double)w->of[i];
+    const f32x8 all = inner && !i32x8_mask(weights > zero) ? intensity : weights;
+    f32x8_store(w->of, all);
+    w->upto[0] = sums_upto(f64x4_of(f32x8_low(all)));
+    w->upto[1] = sums_upto(f64x4_of(f32x8_high(all))) + w->upto[0][3];
 }
 
-/* The lane in whose part x lies, which becomes x's place in it; x in [0, sum). */
+/* The lane in whose part x lies, which becomes x's place in it; x in [0, sum]. Without a branch: it
+ * would be guessed wrong half of the time. */
 static uint32_t choose(const struct weights *w, double *x)
 {
-    uint32_t lane = 0, last = 0;
-    double before = 0, sum = 0;
-    for (; lane < STAGE_LANES; lane++) {
-        if (!(w->of[lane] > 0))
-            continue;
-        last = lane;
-        before = sum;
-        sum += (double)w->of[lane];
-        if (*x < sum)
-            break;
-    }
-    *x = (*x - before) / (double)w->of[last];
-    if (!(*x < 0x1.fffffffffffffp-1)) /* rounding */
+    const uint32_t before = i64x4_mask(w->upto[0] <= *x) | i64x4_mask(w->upto[1] <= *x) << 4;
+    uint32_t lane = (uint32_t)__builtin_popcount(before); /* they are the lowest */
+    if (lane == STAGE_LANES) /* rounding: the last one that has a part */
+        for (lane--; !(w->of[lane] > 0);)
+            lane--;
+    const double weight = (double)w->of[lane], end = w->upto[lane / 4][lane % 4];
+    *x = (*x - (end - weight)) / weight;
+    *x = *x > 0 ? *x : 0;
+    if (!(*x < 0x1.fffffffffffffp-1))
         *x = 0x1.fffffffffffffp-1;
-    return last;
+    return lane;
 }
 
 static const struct stage_light_node *node_at(const struct stage *s, uint32_t node)
@@ -154,13 +161,14 @@ static bool step(const struct stage *s, struct walk *walk, const struct surface 
 {
     struct weights w;
     weigh(walk->node, from, walk->node != node_at(s, 0), &w);
-    if (!(w.sum > 0))
+    const double sum = sum_of(&w);
+    if (!(sum > 0))
         return false;
-    double x = walk->u * w.sum;
+    double x = walk->u * sum;
     const uint32_t lane = choose(&w, &x);
     const uint32_t child = walk->node->child[lane] & ~STAGE_LIGHT_ROUND;
     walk->u = x;
-    pick->probability *= (double)w.of[lane] / w.sum;
+    pick->probability *= (double)w.of[lane] / sum;
     if (child >= STAGE_LIGHT_LEAF) {
         pick->emitter = child - STAGE_LIGHT_LEAF;
         pick->rest = x;
@@ -210,7 +218,7 @@ double light_tree_probability(const struct stage *s, const struct surface *from,
         weigh(node_at(s, slot / STAGE_LANES), from, slot >= STAGE_LANES, &w);
         if (!(w.of[slot % STAGE_LANES] > 0))
             return 0;
-        probability *= (double)w.of[slot % STAGE_LANES] / w.sum;
+        probability *= (double)w.of[slot % STAGE_LANES] / sum_of(&w);
     }
     return probability;
 }

@@ -150,20 +150,21 @@ static uint32_t delta_lanes(const struct stage *s, const struct path8_vertex *v,
 }
 
 /* As light8_sample, one by one. */
-static uint32_t sample_each(const struct stage *s, const struct surface8 *at,
+static uint32_t sample_each(const struct stage *s, const struct path8_vertex *v,
                             const struct path8_lamps *l, struct light8_sample *out,
                             struct ray shadows[8])
 {
     vec3 p[8], p_error[8], ng[8], wi[8] = {{0}}, value[8] = {{0}};
     _Alignas(32) float pdf_w[8] = {0};
     uint32_t lit = 0;
-    vec8_scatter(at->p, p);
-    vec8_scatter(at->p_error, p_error);
-    vec8_scatter(at->ng, ng);
+    vec8_scatter(v->at.p, p);
+    vec8_scatter(v->at.p_error, p_error);
+    vec8_scatter(v->at.ng, ng);
     for (uint32_t left = l->lanes; left; left &= left - 1) {
         const uint32_t i = lowest(left);
-        const struct surface from = {p[i],       p_error[i], ng[i], at->prim[i],
-                                     STAGE_NONE, STAGE_NONE, 0};
+        struct surface from = {p[i], p_error[i], ng[i], v->at.prim[i], STAGE_NONE, STAGE_NONE, 0};
+        if (l->picks) /* the tree is asked again for the other half of a quad that is near */
+            from.lit = path_lit(s, path8_material(s, v, i), v->wo.z[i]);
         struct light_sample sample;
         if (!(l->picks ? light_sample_picked(s, &from, l->picks[i], l->bits->v[i], &sample)
                        : light_sample(s, &from, (struct sobol_bits){l->bits->u[i], l->bits->v[i]},
@@ -229,7 +230,7 @@ uint32_t path8_light_directly(const struct stage *s, const struct path8 *p,
         return 0;
     const uint32_t lit = light8_can(s)
                              ? l.lanes & light8_sample(s, &v->at, l.bits, &sample, shadows)
-                             : sample_each(s, &v->at, &l, &sample, shadows);
+                             : sample_each(s, v, &l, &sample, shadows);
     pass_diffuse(v, vec8_dot(sample.wi, v->frame.z), &to);
     if (lit & ~v->diffuse)
         pass_others(s, v, lit & ~v->diffuse, warp8_to_local(&v->frame, sample.wi), &to);

@@ -47,8 +47,6 @@ static void count_pieces(struct prep_plan *p)
     struct stage *head = &p->head;
     head->shapes.count = (uint64_t)p->scene->shape_count + 1;
     head->pick_cdf.count = head->emitters.count + 1;
-    if (head->settings.strategy == STRATEGY_MIS) /* lanes know no other */
-        head->lamps.count = light8_fit(p->emitters, head->emitters.count);
     while (head->prim_count >> head->guide_shift >= GUIDE_MOST)
         head->guide_shift++;
     head->guide.count = (head->prim_count >> head->guide_shift) + 2;

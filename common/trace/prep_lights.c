@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/trace/fmath.h"
+#include "common/trace/light8.h"
 
 #define PI 3.14159265358979323846
 
@@ -166,9 +167,15 @@ static void pick_emitters(struct prep_plan *p)
     }
 }
 
-/* From so many emitters on that have a place, one is picked by the tree. It would pay from dozens
- * on, but then scenes whose images are known would get other pixels (docs/design.md). */
-enum { TREE_FROM = 512 };
+/* From so many emitters on that have a place, one is picked by the tree, but where light8.h has
+ * them in lanes, which is worth more (docs/design.md). */
+enum { TREE_FROM = 4 };
+
+static bool fit_lanes(const struct prep_plan *p)
+{
+    return p->head.settings.strategy == STRATEGY_MIS && /* lanes know no other */
+           light8_fit(p->emitters, p->head.emitters.count);
+}
 
 void prep_lights(struct prep_plan *p, struct arena *scratch)
 {
@@ -180,6 +187,7 @@ void prep_lights(struct prep_plan *p, struct arena *scratch)
     p->head.beyond_begin = (uint32_t)p->head.emitters.count;
     add_lights(p, RANK_BEYOND, scratch);
     pick_emitters(p);
-    if (p->head.far_begin >= TREE_FROM)
+    p->head.lamps.count = fit_lanes(p);
+    if (p->head.far_begin >= TREE_FROM && !p->head.lamps.count)
         prep_light_tree(p, scene_radius(&p->head), scratch);
 }

@@ -5,6 +5,7 @@
 
 #include "common/trace/box8.h"
 #include "common/trace/cylinder.h"
+#include "common/trace/light_solid.h"
 #include "common/trace/tri.h"
 
 #define PI 3.14159265358979323846
@@ -173,25 +174,54 @@ static void add_world_triangle(struct prep_plan *p, uint32_t shape, const vec3 v
             add_prim(p, shape, (struct stage_place){STAGE_TRIANGLE, index & 0x1fffffff}, area);
 }
 
+/* Where emitters [begin, end) are near, which are triangles: a single one, or both of a quad. */
+static void reach(struct prep_plan *p, uint64_t begin, uint64_t end)
+{
+    const struct stage_triangle *triangles = p->trees[0].triangles;
+    struct bvh_box box = bvh_box_empty();
+    for (uint64_t i = begin; i < end; i++) {
+        vec3 lo, hi;
+        tri_bounds(&triangles[p->emitters[i].place.index], &lo, &hi);
+        bvh_box_grow(&box, bvh_box_make(lo, hi));
+    }
+    const vec3 middle = (bvh_box_lo(&box) + bvh_box_hi(&box)) * 0.5f;
+    float dd = 0;
+    for (uint64_t i = begin; i < end; i++)
+        for (int k = 0; k < 3; k++) {
+            const vec3 d = vec3_load(triangles[p->emitters[i].place.index].v[k]) - middle;
+            dd = vec3_dot(d, d) > dd ? vec3_dot(d, d) : dd;
+        }
+    for (uint64_t i = begin; i < end; i++) {
+        struct emitter *e = &p->emitters[i];
+        vec3_store(e->at, middle);
+        e->near_dd = LIGHT_SOLID_NEAR * LIGHT_SOLID_NEAR * dd;
+        e->partner = end - begin < 2 ? 0 : i > begin ? -1 : 1;
+    }
+}
+
 static void add_mesh(struct prep_plan *p, uint32_t shape, const struct shape *s)
 {
     const struct mesh *mesh = &p->scene->meshes[s->mesh.mesh];
     const bool mirrored = prep_triangle_mirrored(s);
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
+        const uint64_t begin = p->head.emitters.count;
         vec3 world[3];
         prep_triangle_world(mesh, s, mirrored, i, world);
         add_world_triangle(p, shape, world);
+        reach(p, begin, p->head.emitters.count);
     }
 }
 
 static void add_quad(struct prep_plan *p, uint32_t shape, const struct shape *s)
 {
     const bool mirrored = prep_triangle_mirrored(s);
+    const uint64_t begin = p->head.emitters.count;
     for (uint32_t i = 0; i < 2; i++) {
         vec3 world[3];
         prep_triangle_world(NULL, s, mirrored, i, world);
         add_world_triangle(p, shape, world);
     }
+    reach(p, begin, p->head.emitters.count);
 }
 
 /* The transform is a similarity: any column's length is its scale. */

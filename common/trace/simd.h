@@ -18,6 +18,7 @@ typedef int32_t i32x8 __attribute__((vector_size(32)));
 typedef uint32_t u32x8 __attribute__((vector_size(32)));
 typedef int32_t i32x4 __attribute__((vector_size(16)));
 typedef uint64_t u64x4 __attribute__((vector_size(32)));
+typedef int64_t i64x4 __attribute__((vector_size(32)));
 typedef double f64x4 __attribute__((vector_size(32)));
 
 static inline f32x8 f32x8_load(const float *aligned32)
@@ -247,6 +248,11 @@ static inline uint32_t i32x4_mask(i32x4 m)
     return (uint32_t)_mm_movemask_ps((__m128)m);
 }
 
+static inline uint32_t i64x4_mask(i64x4 m)
+{
+    return (uint32_t)_mm256_movemask_pd((__m256d)m);
+}
+
 /* Lane k: component from[k] of v, below 4. */
 static inline vec3 vec3_permute(vec3 v, i32x4 from)
 {
@@ -364,6 +370,14 @@ static inline vec3 vec3_max(vec3 a, vec3 b)
 }
 
 static inline uint32_t i32x4_mask(i32x4 m)
+{
+    uint32_t bits = 0;
+    for (int i = 0; i < 4; i++)
+        bits |= m[i] < 0 ? 1u << i : 0;
+    return bits;
+}
+
+static inline uint32_t i64x4_mask(i64x4 m)
 {
     uint32_t bits = 0;
     for (int i = 0; i < 4; i++)

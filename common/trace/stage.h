@@ -182,13 +182,16 @@ struct emitter {
     struct stage_place place; /* EMITTER_PRIM */
     float radiance[3];        /* PRIM, SUN: radiance; POINT, SPOT: intensity; DISTANT: irradiance;
                                * MAP: of a pixel value of 1 */
-    float at[3];              /* POINT, SPOT: position; DISTANT, SUN: direction of travel, unit */
+    float at[3];              /* POINT, SPOT: position; DISTANT, SUN: direction of travel, unit;
+                               * a triangle: the middle that near_dd is counted from */
     union {
         float area;     /* EMITTER_PRIM: m^2 */
         float cap;      /* SUN: 1 - cos of its radius */
         uint32_t index; /* SPOT: into stage.spots; MAP: into stage.maps */
     };
     float pick; /* probability of being chosen; they sum to 1 */
+    float near_dd;   /* a triangle: the square of how near it is sampled by solid angle (light_solid.h) */
+    int32_t partner; /* of a quad's triangles: the other one is so many emitters further on; else 0 */
 };
 
 struct stage_spot {
@@ -242,6 +245,7 @@ struct stage_lamps {
     _Alignas(32) float v[3][3][STAGE_LANES]; /* [vertex][axis][lane]; unused lanes are as lane 0 */
     float normal[3][STAGE_LANES];            /* unit, as of surface_on_triangle */
     float area[STAGE_LANES], radiance[3][STAGE_LANES];
+    float middle[3][STAGE_LANES], near_dd[STAGE_LANES];
     float begin[STAGE_LANES], end[STAGE_LANES]; /* the emitter's part of pick_cdf */
     uint32_t prim[STAGE_LANES];
     uint32_t count; /* of emitters */
