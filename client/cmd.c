@@ -80,6 +80,15 @@ int cmd_follow(struct remote *remote, const char *id, bool json, bool curve)
     __builtin_unreachable();
 }
 
+bool cmd_can_trace(int *status)
+{
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+        return true;
+    fprintf(stderr, "smalti: this CPU lacks AVX2 and FMA, which tracing is built for\n");
+    *status = CMD_SYSTEM;
+    return false;
+}
+
 int cmd_fail(const struct err *err)
 {
     fprintf(stderr, "smalti: %s\n", err->text);
