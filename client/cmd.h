@@ -31,6 +31,7 @@ int cmd_check(int argc, char *const *args);
 int cmd_plan(int argc, char *const *args);
 int cmd_diff(int argc, char *const *args);
 int cmd_digest(int argc, char *const *args);
+int cmd_chart(int argc, char *const *args);
 
 /* What a command accepts. */
 struct cmd_spec {

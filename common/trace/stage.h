@@ -208,7 +208,8 @@ struct stage_map_row {
     float edge, width;   /* s = (1 - cos) / 2 of the angle from the nearer pole: at the row's edge that
                           * is nearer to it, and how much more at the other */
     float solid_angle;   /* of one of its pixels */
-    uint32_t begin;      /* its part of [0, 2^32) begins here and ends where the next one's does */
+    uint32_t begin;      /* its part of [0, 2^32) begins here and ends where the next one's does;
+                          * UINT32_MAX: at the end, it is empty */
 };
 
 struct stage_map_pixel {
