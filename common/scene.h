@@ -299,6 +299,7 @@ struct shape {
     uint32_t material;     /* index into scene.materials */
     rgb emission;          /* radiance leaving the front side; 0: not a light. Front: outside of a
                             * sphere or cylinder, else the side the normal points to */
+    uint32_t glow;         /* 1 + index into scene.textures: emission is multiplied by it; 0: none */
     struct xform to_world; /* but for quads and meshes a similarity (checked), maybe a mirror */
     union {
         struct {

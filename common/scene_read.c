@@ -182,7 +182,7 @@ void scene_read(struct scene_doc *doc, const struct scene_at *whole, struct scen
     if (scene_at_member(whole, "materials", &at))
         names = scene_read_materials(doc, &at, &textures, scene);
     if (scene_at_member(whole, "shapes", &at))
-        scene_read_shapes(doc, &at, &names, scene);
+        scene_read_shapes(doc, &at, &(struct scene_known){&names, &textures}, scene);
     if (scene_at_member(whole, "lights", &at))
         scene_read_lights(doc, &at, scene);
     if (scene_at_member(whole, "settings", &at))
