@@ -110,11 +110,11 @@ static bool is_equal_on_the_whole(struct chart_reference *r, const struct side s
                    s[1].energy.at, t);
 }
 
-struct block {
+struct patch {
     uint32_t x_begin, y_begin, x_end, y_end;
 };
 
-static double mean_in_block(const double *image, const struct block *b, uint32_t width)
+static double mean_in_block(const double *image, const struct patch *b, uint32_t width)
 {
     double sum = 0;
     for (uint32_t y = b->y_begin; y < b->y_end; y++)
@@ -124,7 +124,7 @@ static double mean_in_block(const double *image, const struct block *b, uint32_t
 }
 
 /* Not to be told from equal, in a block of pixels. */
-static bool is_equal_in(const struct side s[2], const struct block *b, uint32_t width,
+static bool is_equal_in(const struct side s[2], const struct patch *b, uint32_t width,
                         double blocks)
 {
     struct curve_value mean[2];
@@ -145,7 +145,7 @@ static bool is_equal_everywhere(const struct chart *c, const struct side s[2], s
     const double blocks = ceil(c->width_px / (double)SIDE) * ceil(c->height_px / (double)SIDE);
     for (uint32_t y = 0; y < c->height_px; y += SIDE)
         for (uint32_t x = 0; x < c->width_px; x += SIDE) {
-            const struct block b = {x, y, min_u32(x + SIDE, c->width_px),
+            const struct patch b = {x, y, min_u32(x + SIDE, c->width_px),
                                     min_u32(y + SIDE, c->height_px)};
             if (!is_equal_in(s, &b, c->width_px, blocks))
                 return err_set(err, ERR_INPUT,

@@ -382,6 +382,7 @@ struct scene_settings {
     enum strategy_kind strategy;
     enum sampler_kind sampler;
     uint32_t max_bounces; /* scattering events per path; 0 shows emission alone. Default 64 */
+    float clamp;          /* no sample's largest component is above it: that is scaled down. 0: off */
     uint64_t seed;        /* default 0; [0, 2^53 - 1]: JSON carries it exactly */
     struct scene_target target;
 };

@@ -11,6 +11,7 @@
 #include "common/clock.h"
 #include "server/body.h"
 #include "server/problem.h"
+#include "server/report.h"
 #include "server/server.h"
 #include "server/status.h"
 
@@ -101,6 +102,7 @@ static struct store_job row_of(const struct server *s, const struct scene *scene
         .target = scene->settings.target,
         .created_unix_ms = clock_unix_ms(),
         .error = -1,
+        .report = report_none(),
     };
     do
         server_random(&row.id, sizeof row.id);

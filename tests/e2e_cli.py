@@ -59,6 +59,8 @@ def renders(f, t):
     done = f.run("render", small, "-o", out, "--spp", "8", "--quiet", "--png", png, env=env)
     with open(png, "rb") as file:
         t.ok(done.returncode == 0 and file.read(8) == b"\x89PNG\r\n\x1a\n", "render --png: a picture beside the image")
+    odd = f.run("render", small, "-o", out, "--tile", "33", env=env)
+    t.ok(odd.returncode == 2 and "--tile: expected a multiple of 8, got 33" in odd.stderr, "render --tile: whole blocks only", odd.stderr)
     done = f.run("render", small, "-o", out, "--error", "0.5", "--quiet", "--json", env=env)
     told = json.loads(done.stdout)
     t.ok(done.returncode == 0 and told["error"] <= .5 and told["target"]["error"] == .5,

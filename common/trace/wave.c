@@ -254,9 +254,12 @@ static void find_emission(struct wave *w, const struct path8_vertex *at, uint32_
     add_to_path(w, i, found * path_emission_weight(s, &from, &on, w->lanes.pdf_w[i]));
 }
 
-static uint32_t not_cut(const struct wave *w)
+/* Of paths that have a vertex to go on from, those that may. */
+static uint32_t not_cut(struct wave *w, uint32_t found)
 {
-    return i32x8_mask(w->bounce + 1 < w->stage->settings.max_bounces);
+    const uint32_t left = found & i32x8_mask(w->bounce + 1 < w->max_bounces);
+    w->cut |= found & ~left;
+    return left;
 }
 
 /* There no vertex is plain. */
@@ -271,7 +274,7 @@ static void arrive_in_media(struct wave *w, uint32_t which, uint32_t found,
             (uint32_t)path_media_arrive(w->stage, &w->paths[i], &w->rays[i], hit, w->cones[i].width)
             << i;
     }
-    w->going &= not_cut(w);
+    w->going = not_cut(w, w->going);
 }
 
 /* Along the rays, to what they have met. */
@@ -316,7 +319,7 @@ static void arrive(struct wave *w, uint32_t which)
         find_emission(w, at, lowest(left), were_plain >> lowest(left) & 1);
     if (plain)
         w->lanes.vertex = at;
-    w->going = found & not_cut(w);
+    w->going = not_cut(w, found);
 }
 
 /* --- the way of a path --- */
@@ -362,6 +365,8 @@ void wave_init(struct wave *w, const struct stage *s, uint32_t roulette_begin,
 {
     w->stage = s;
     w->roulette_begin = roulette_begin;
+    w->max_bounces = s->settings.max_bounces;
+    w->cut = 0;
     w->terms = terms;
     w->radiance = radiance;
     w->work = (struct film_work){0};
@@ -406,7 +411,7 @@ static bool begin_in_media(struct wave *w, uint32_t i, const struct wave_starts 
     const struct ray_hit *hit = starts->met >> k & 1 ? &starts->hits[k] : NULL;
     const bool goes_on =
         path_media_begin(w->stage, p, &starts->rays[k], hit, starts->cones[k].width) &&
-        w->stage->settings.max_bounces > 0;
+        w->max_bounces > 0;
     w->going |= (uint32_t)goes_on << i;
     w->plain &= ~(1u << i);
     if (w->terms)

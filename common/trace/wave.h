@@ -48,6 +48,8 @@ struct wave_terms {
 struct wave {
     const struct stage *stage;
     uint32_t roulette_begin;
+    uint32_t max_bounces;     /* the settings'; the caller may set another before paths are put */
+    uint32_t cut;             /* not 0: of the paths so far, some have ended there alone */
     rgb *radiance;            /* by the path's number; the caller's */
     struct film_work work;    /* of all paths so far, but for their starts */
     struct wave_terms *terms; /* or NULL; the caller's */
