@@ -29,17 +29,18 @@ static const char *const steps[] = {
     " reason TEXT NOT NULL, in_pass INTEGER NOT NULL, in_tile INTEGER NOT NULL,"
     " has_pass INTEGER NOT NULL) STRICT",
     "ALTER TABLE job ADD COLUMN layers INTEGER NOT NULL DEFAULT 0",
+    "ALTER TABLE job ADD COLUMN warnings TEXT NOT NULL DEFAULT ''",
 };
 
 #define NAMES                                                                                      \
     "id, document, title, state, priority, width, height, tile_px, x_begin, y_begin, x_end, "      \
     "y_end, target_error, target_spp, target_seconds, settled, created, started, finished, "       \
     "elapsed_ms, samples, passes, spp, error, cpu_us, granted, expired, returned, duplicates, "    \
-    "invalid, image, digest, checkpoint, reason, in_pass, in_tile, has_pass, layers, keys"
+    "invalid, image, digest, checkpoint, reason, in_pass, in_tile, has_pass, layers, warnings, keys"
 #define MARKS                                                                                      \
     "?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, "  \
     "?21, ?22, ?23, ?24, ?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, ?33, ?34, ?35, ?36, ?37, ?38, "   \
-    "?39"
+    "?39, ?40"
 
 enum column_kind { COLUMN_INT, COLUMN_REAL, COLUMN_TEXT };
 
@@ -90,6 +91,7 @@ static const struct column {
     AT(COLUMN_INT, failure.tile),
     AT(COLUMN_INT, failure.has_pass),
     AT(COLUMN_INT, layers),
+    AT(COLUMN_TEXT, warnings),
 #undef AT
 };
 

@@ -37,6 +37,8 @@ struct store_failure {
     uint32_t tile, pass;
 };
 
+enum { STORE_WARNINGS = 2048 };
+
 struct store_job {
     uint64_t id;     /* never 0 */
     uint64_t number; /* in order of submission, from 1; given by store_job_add */
@@ -64,6 +66,7 @@ struct store_job {
     char digest[HASH_HEX];  /* of the finished image; "" before */
     uint64_t checkpoint;    /* generation of the film on disk; 0: none */
     struct store_failure failure;
+    char warnings[STORE_WARNINGS]; /* status_warnings.h; "": none */
 };
 
 struct store; /* opaque */

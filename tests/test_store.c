@@ -72,6 +72,7 @@ static struct store_job full_row(void)
     hash_hex("x", 1, row.digest);
     row.checkpoint = 12;
     row.failure = (struct store_failure){.has_pass = true, .tile = 3, .pass = 2};
+    snprintf(row.warnings, STORE_WARNINGS, "[{\"pointer\":\"/a\"}]");
     snprintf(row.failure.reason, STORE_REASON, "a 'quoted' reason, \xc3\xa4");
     return row;
 }
@@ -95,7 +96,7 @@ static bool rows_equal(const struct store_job *a, const struct store_job *b)
            a->image_version == b->image_version && !strcmp(a->digest, b->digest) &&
            a->checkpoint == b->checkpoint && !strcmp(a->failure.reason, b->failure.reason) &&
            a->failure.has_pass == b->failure.has_pass && a->failure.tile == b->failure.tile &&
-           a->failure.pass == b->failure.pass;
+           a->failure.pass == b->failure.pass && !strcmp(a->warnings, b->warnings);
 }
 
 static void rows(void)
@@ -123,7 +124,7 @@ static void rows(void)
     store_close(s);
 }
 
-/* A store as version 1 left it is taken over: its jobs have no layers. */
+/* A store as version 1 left it is taken over: its jobs have no layers and no warnings. */
 static void former_version(void)
 {
     struct err err = {.text = ""};
@@ -133,13 +134,16 @@ static void former_version(void)
     store_close(s);
     sqlite3 *db = NULL;
     ok(sqlite3_open(path_of("v1.db"), &db) == SQLITE_OK &&
-           sqlite3_exec(db, "ALTER TABLE job DROP COLUMN layers; PRAGMA user_version = 1", NULL,
-                        NULL, NULL) == SQLITE_OK,
+           sqlite3_exec(db,
+                        "ALTER TABLE job DROP COLUMN layers; ALTER TABLE job DROP COLUMN warnings; "
+                        "PRAGMA user_version = 1",
+                        NULL, NULL, NULL) == SQLITE_OK,
        "it becomes one of version 1");
     sqlite3_close(db);
     struct seen seen = {.count = 0};
     s = store_open(path_of("v1.db"), &err);
     row.layers = 0;
+    *row.warnings = '\0';
     ok(s && store_jobs(s, note, &seen, &err) && seen.count == 1 && rows_equal(&seen.jobs[0], &row),
        "and is read by this one %s", err.text);
     store_close(s);
