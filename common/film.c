@@ -5,6 +5,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+void film_work_add(struct film_work *w, const struct film_work *more)
+{
+    w->camera_rays += more->camera_rays;
+    w->bounce_rays += more->bounce_rays;
+    w->shadow_rays += more->shadow_rays;
+    w->plain_vertices += more->plain_vertices;
+    w->other_vertices += more->other_vertices;
+    w->units += more->units;
+}
+
 struct film_samples film_samples_make(struct tile_rect rect, struct tile_pass pass,
                                       struct arena *arena)
 {
@@ -129,6 +139,7 @@ void film_merge(struct film *f, const struct film_samples *s)
             merge_layers(f->layer + at * channels, layer, (uint32_t)channels);
             layer += channels;
         }
+    film_work_add(&f->work, &s->work);
     f->invalid_count += s->invalid_count;
     for (uint32_t i = 0; i < s->key_count; i++)
         keep_key(f, s->keys[i]);

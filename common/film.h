@@ -31,6 +31,20 @@ struct film_key {
     uint32_t x_px, y_px, sample;
 };
 
+/* The work that samples have taken, in rays and vertices: a sum over samples, of what each sample
+ * asks for by itself. So it does not depend on who traces it, beside which others, in which order
+ * or in how many lanes. (Two siblings share a camera ray, common/trace/rng.h: it is the elder's.) */
+struct film_work {
+    uint64_t camera_rays;
+    uint64_t bounce_rays; /* other rays of which the nearest hit was asked for */
+    uint64_t shadow_rays; /* rays of which any hit was */
+    /* From which a path tried to go on: of the kind that lanes know (path8.h), of all others */
+    uint64_t plain_vertices, other_vertices;
+    uint64_t units; /* of all these, at the scene's prices (common/trace/work.h): one number */
+};
+
+void film_work_add(struct film_work *, const struct film_work *more);
+
 struct film_samples {
     struct tile_rect rect;
     struct tile_pass pass;
@@ -38,6 +52,7 @@ struct film_samples {
                   * given to film_samples_make */
     uint32_t layers;   /* layers.h; 0: none */
     float *layer_sums; /* [row][column][layers_channels(layers)]; NULL for none. Finite */
+    struct film_work work;
     uint64_t invalid_count;               /* all of them */
     uint32_t key_count;                   /* min(invalid_count, FILM_MAX_KEYS) */
     struct film_key keys[FILM_MAX_KEYS];  /* the first ones in (y, x, sample) order */
@@ -54,6 +69,7 @@ struct film {
     uint32_t *spp;           /* [row][column]: samples merged, always the indices [0, spp) */
     uint32_t layers;         /* layers.h; 0: none */
     double *layer;           /* [row][column][layers_channels(layers)]: all samples; NULL for none */
+    struct film_work work;
     uint64_t invalid_count;
     uint32_t key_count;
     struct film_key keys[FILM_MAX_KEYS]; /* the first ones in (y, x, sample) order */

@@ -76,13 +76,13 @@ void scene_share_pair(const struct scene_params *p, struct scene_share a, struct
 {
     const bool both = (int)read_plain(p, a) & (int)read_plain(p, b);
     const rgb sum = *a.out + *b.out;
-    if (!(rgb_max(sum) > 1.000001f)) /* .9 + .1 is more than 1 in float */
+    if (!both || !(rgb_max(sum) > 1.000001f)) /* .9 + .1 is more than 1 in float */
         return;
     if (!p->doc->rescale) {
         scene_doc_fault(p->doc, p->at, ERR_INPUT,
                         "expected %s + %s of at most 1 in every channel, got %g, %g, %g", a.key,
                         b.key, (double)sum[0], (double)sum[1], (double)sum[2]);
-    } else if (both) {
+    } else {
         rescale(p, a, rgb_max(sum));
         rescale(p, b, rgb_max(sum));
     }

@@ -17,6 +17,7 @@
 #define SERVER_JOB_H
 
 #include "common/film.h"
+#include "server/convergence.h"
 #include "server/rate.h"
 #include "server/store.h"
 
@@ -63,6 +64,8 @@ struct job {
     uint64_t version;        /* changes whenever something visible does */
     int64_t running_from_ms; /* elapsed time since then is not in row.elapsed_ms; < 0: standing */
     struct rate rate;        /* merged samples */
+    struct convergence
+        convergence; /* of a job that is not over: others' points are in the store alone */
     uint32_t lease_count;
 
     bool unsaved; /* its row did not reach the disk */

@@ -114,6 +114,7 @@ void server_job_end(struct server *s, struct job *j, enum job_state state)
     if (j->lease_count)
         leases_of_job_end(s, j);
     sched_remove(&s->sched, j);
+    convergence_release(&j->convergence);
     if (j->open)
         s->film_bytes -= job_film_bytes(j);
     if (state == JOB_DONE)
@@ -191,9 +192,19 @@ static void recover_row(void *context, const struct store_job *row)
         job_resume(j, s->now_ms);
 }
 
+static bool recover_curves(struct server *s, struct err *err)
+{
+    for (size_t i = 0; i < s->sched.count; i++) {
+        struct job *j = s->sched.jobs[i];
+        if (!convergence_load(&j->convergence, s->store, j->row.number, err))
+            return false;
+    }
+    return true;
+}
+
 static bool recover(struct server *s, struct err *err)
 {
-    if (!store_jobs(s->store, recover_row, s, err))
+    if (!store_jobs(s->store, recover_row, s, err) || !recover_curves(s, err))
         return false;
     for (size_t i = 0; i < s->sched.count; i++) {
         struct job *j = s->sched.jobs[i];

@@ -27,9 +27,12 @@ static struct stage_triangle any_triangle(struct dice *d, const struct stage *s)
 
 struct ray aim_ray(struct dice *d, const struct stage *s, vec3 origin, bool vertex)
 {
-    const struct stage_triangle t = any_triangle(d, s);
-    const vec3 at = outline(d, &t, vertex);
-    return (struct ray){origin, at - origin, INFINITY, 0, 0};
+    vec3 dir = {0};
+    while (!(vec3_dot(dir, dir) > 0)) { /* far from 0, both on one coarse grid, they may agree */
+        const struct stage_triangle t = any_triangle(d, s);
+        dir = outline(d, &t, vertex) - origin;
+    }
+    return (struct ray){origin, dir, INFINITY, 0, 0};
 }
 
 /* A. van Oosterom, J. Strackee, "The Solid Angle of a Plane Triangle", IEEE Trans. Biomed. Eng.

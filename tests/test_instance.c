@@ -1,6 +1,7 @@
 /* A shared mesh against its copies: the same hits, the same picture. SPDX-License-Identifier: MIT
  */
 #include "common/trace/bvh.h"
+#include "common/trace/bvh_cost.h"
 
 #include <math.h>
 #include <string.h>
@@ -144,6 +145,9 @@ static void test_crowd(void)
        "%u uses of a mesh are %u instances and a lamp, %.1f MB instead of %.1f", crowd.uses,
        (unsigned)p.shared->instances.count, (double)p.shared->bytes * 1e-6,
        (double)p.copies->bytes * 1e-6);
+    const double cost = bvh_cost_of_ray(p.shared), of_copies = bvh_cost_of_ray(p.copies);
+    ok(cost > .8 * of_copies && cost < 2 * of_copies, "a ray costs %.1f visits, in copies %.1f", cost,
+       of_copies);
     test_hits(&p, crowd.reach);
     test_picture(&p);
     pair_release(&p);

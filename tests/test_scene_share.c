@@ -46,7 +46,7 @@ static const char many[] =
 
 static void refused(void)
 {
-    ok(!parse(many, "\"rescale\": false") && errors.count == 4 &&
+    ok(!parse(many, "\"rescale\": false") && errors.count == 3 &&
            !strcmp(errors.list[0].where, "/materials/a/albedo/0") &&
            !strcmp(errors.list[0].what, "expected a number in [0, 1], got 2"),
        "unless asked for, every share above 1 is a fault (%zu)", errors.count);

@@ -136,6 +136,7 @@ static void former_version(void)
     ok(sqlite3_open(path_of("v1.db"), &db) == SQLITE_OK &&
            sqlite3_exec(db,
                         "ALTER TABLE job DROP COLUMN layers; ALTER TABLE job DROP COLUMN warnings; "
+                        "DROP TABLE point; "
                         "PRAGMA user_version = 1",
                         NULL, NULL, NULL) == SQLITE_OK,
        "it becomes one of version 1");

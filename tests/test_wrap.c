@@ -44,9 +44,9 @@ static double share(const struct stage *s, uint32_t material, bool back, uint32_
     return (double)count / STEPS;
 }
 
-static float opacity(const struct stage *s, uint32_t material, bool back)
+static double opacity(const struct stage *s, uint32_t material, bool back)
 {
-    return material_opacity(s, &(struct material_side){material, back, NULL});
+    return (double)material_opacity(s, &(struct material_side){material, back, NULL});
 }
 
 static void choices(void)
@@ -69,7 +69,7 @@ static void choices(void)
        "and the number serves for a mix inside it");
     near(opacity(stage, mixed, false), .75, 0, "half of a half lets through a quarter");
     near(share(stage, mixed, false, c), 1. / 3, 1e-3, "of what is stopped a third is the mask's");
-    ok(opacity(stage, sides, false) == 1 && opacity(stage, sides, true) == .5f &&
+    ok(opacity(stage, sides, false) == 1 && opacity(stage, sides, true) == .5 &&
            share(stage, sides, true, c) == 1 && share(stage, sides, false, a) == .75,
        "two sides have each their own");
     ok(opacity(stage, none, false) == 0 && share(stage, none, false, a) == 1,

@@ -10,6 +10,7 @@
 #ifndef COMMON_TRACE_PATH_H
 #define COMMON_TRACE_PATH_H
 
+#include "common/film.h"
 #include "common/trace/light.h"
 #include "common/trace/ray.h"
 #include "common/trace/sobol.h"
@@ -39,6 +40,7 @@ struct path_media;
 
 struct path {
     struct path_media *media; /* NULL: the scene has none (path_media.h) */
+    struct film_work *work;   /* counts the rays that are traced at a vertex, one path's alone */
     rgb light;                /* found so far */
     rgb throughput;
     float scale; /* what roulette divides out of throughput; from the first scattering on */
@@ -58,16 +60,37 @@ struct path_draw { /* the random numbers of a scattering */
  * scattered to wo came from the same side by both normals.) */
 float path_lit(const struct stage *, const struct material *, float up);
 
-/* width: of the ray's cone at the hit, in m (cone.h). */
+/* width: of the ray's cone at the hit, in m (cone.h). work: counts on. */
 struct path_vertex path_vertex_make(const struct stage *, const struct ray *,
-                                    const struct ray_hit *, float width);
+                                    const struct ray_hit *, float width, struct film_work *work);
 
 /* What a ray that leaves the scene meets. pdf_w: of its direction, by the sampling that made it; 0:
  * nothing else could have made it. */
 rgb path_beyond(const struct stage *, vec3 dir, float pdf_w);
 
+/* What an emitter that is a primitive emits from its front. */
+static inline rgb path_radiance(const struct stage *s, uint32_t emitter)
+{
+    return vec3_load(((const struct emitter *)stage_at(s, s->emitters))[emitter].radiance);
+}
+
 /* What the vertex emits to where the ray came from. */
 rgb path_emission(const struct stage *, const struct path_vertex *);
+
+/* The weight of what `at` emits to the vertex `from`, found by a direction of density pdf_w; 0: a
+ * delta lobe's. */
+float path_emission_weight(const struct stage *, const struct surface *from,
+                           const struct surface *at, float pdf_w);
+
+/* How many times a technique's density counts in the other's weight. Weights add up to 1 whatever
+ * that is, so each strategy is unbiased; where both techniques find a light, one of them has all
+ * the weight, exactly 1 (and the other 0, unless its density is 2^36 times as large), and what only
+ * one finds it still finds. */
+struct path_trust {
+    float light, bsdf; /* each 1 over the other */
+};
+
+const struct path_trust *path_trust(const struct stage *);
 
 struct path_lamp { /* the random numbers of a look at a light */
     struct sobol_bits bits;

@@ -29,37 +29,45 @@ static float opacity(const struct stage *s, const struct ray *ray, const struct 
     return material_opacity(s, &side);
 }
 
-static bool is_stopped(const struct stage *s, const struct rng *rng, uint32_t bounce,
-                       struct ray *ray, struct ray_hit *hit)
+static bool meets(const struct stage *s, const struct ray *ray, struct ray_hit *hit,
+                  struct film_work *work)
 {
+    work->bounce_rays++;
+    return bvh_hit_closest(s, ray, hit);
+}
+
+static bool is_stopped(const struct stage *s, const struct path_mask_rays *r, uint32_t i)
+{
+    struct ray *ray = &r->rays[i];
+    struct ray_hit *hit = &r->hits[i];
     for (uint32_t crossing = 0;; crossing++) {
         const struct surface at = surface_at(s, ray, hit);
         const float stops = opacity(s, ray, hit, &at);
-        if (stops >= 1 || rng_single(rng, rng_dimension_mask(bounce, crossing)) < stops)
+        if (stops >= 1 ||
+            rng_single(&r->rngs[i], rng_dimension_mask(r->bounce[i], crossing)) < stops)
             return true;
         *ray = beyond(ray, &at);
-        if (!bvh_hit_closest(s, ray, hit))
+        if (!meets(s, ray, hit, r->work))
             return false;
     }
 }
 
-uint32_t path_mask_pass(const struct stage *s, const struct rng rngs[], u32x8 bounce,
-                        uint32_t found, struct ray rays[], struct ray_hit hits[])
+uint32_t path_mask_pass(const struct stage *s, uint32_t found, const struct path_mask_rays *r)
 {
     uint32_t stopped = 0;
     for (; found; found &= found - 1) {
         const uint32_t i = (uint32_t)__builtin_ctz(found);
-        if (is_stopped(s, &rngs[i], bounce[i], &rays[i], &hits[i]))
+        if (is_stopped(s, r, i))
             stopped |= 1u << i;
     }
     return stopped;
 }
 
-float path_mask_share(const struct stage *s, struct ray shadow)
+float path_mask_share(const struct stage *s, struct ray shadow, struct film_work *work)
 {
     float share = 1;
     struct ray_hit hit;
-    while (bvh_hit_closest(s, &shadow, &hit)) {
+    while (meets(s, &shadow, &hit, work)) {
         const struct surface at = surface_at(s, &shadow, &hit);
         share *= 1 - opacity(s, &shadow, &hit, &at);
         if (!(share > 0))

@@ -6,16 +6,24 @@
 #ifndef COMMON_TRACE_PATH_MASK_H
 #define COMMON_TRACE_PATH_MASK_H
 
+#include "common/film.h"
 #include "common/trace/ray.h"
 #include "common/trace/rng.h"
 
-/* Rays of paths, ray i with the numbers of path i, after bounce[i] scattering events. found: bit i
- * of those that have a hit, hits[i] the closest; returns the same for those that are stopped,
- * hits[i] then the first that does it, and rays[i] as it was traced last. */
-uint32_t path_mask_pass(const struct stage *, const struct rng rngs[], u32x8 bounce,
-                        uint32_t found, struct ray rays[], struct ray_hit hits[]);
+/* Rays of paths, ray i with the numbers of path i, after bounce[i] scattering events. */
+struct path_mask_rays {
+    const struct rng *rngs;
+    u32x8 bounce;
+    struct ray *rays;
+    struct ray_hit *hits;
+    struct film_work *work; /* counts on */
+};
 
-/* The share of light that passes along a shadow ray. */
-float path_mask_share(const struct stage *, struct ray shadow);
+/* found: bit i of those that have a hit, hits[i] the closest; returns the same for those that are
+ * stopped, hits[i] then the first that does it, and rays[i] as it was traced last. */
+uint32_t path_mask_pass(const struct stage *, uint32_t found, const struct path_mask_rays *);
+
+/* The share of light that passes along a shadow ray. work: counts on. */
+float path_mask_share(const struct stage *, struct ray shadow, struct film_work *work);
 
 #endif

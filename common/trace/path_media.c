@@ -75,12 +75,13 @@ bool path_media_arrive(const struct stage *s, struct path *p, const struct ray *
             p->light += p->throughput * path_beyond(s, onward.dir, p->pdf_w);
             return false;
         }
-        const struct path_vertex v = path_vertex_make(s, &onward, hit, width);
+        const struct path_vertex v = path_vertex_make(s, &onward, hit, width, p->work);
         path_arrive(s, p, &v);
         if (interface_is_there(s, p))
             return true;
         p->pdf_w = 0; /* no shadow ray comes through it */
         onward = surface_leave(&p->vertex.at, onward.dir);
+        p->work->bounce_rays++;
         hit = bvh_hit_closest(s, &onward, &next) ? &next : NULL;
     }
     return false;

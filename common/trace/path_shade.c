@@ -3,6 +3,7 @@
 
 #include "common/trace/bsdf.h"
 #include "common/trace/bvh.h"
+#include "common/trace/relief.h"
 #include "common/trace/shading.h"
 #include "common/trace/surface_detail.h"
 
@@ -26,42 +27,46 @@ static void turn_frame(struct path_vertex *v, const struct surface_detail *detai
  * as much. A point may also lie on an edge by chance; then it is looked whether the viewer sees
  * where a ray will start, and that no wall passes there. */
 static bool is_caught(const struct stage *s, const struct ray *ray, const struct ray_hit *hit,
-                      const struct surface *at)
+                      const struct surface *at, struct film_work *work)
 {
     const float height = vec3_dot(ray->origin - at->p, at->ng);
     const float error = vec3_dot(vec3_abs(at->ng), at->p_error);
     if (!(height > 256 * error || height < -256 * error))
         return true;
-    if (surface_detail_edge(s, hit) > 4 * error)
+    if (surface_detail_edge(s, hit, at) > 4 * error)
         return false;
     const vec3 start = surface_outside(at, at->p_error, ray->origin - at->p);
     const struct ray way = {ray->origin, start - ray->origin, 1 + 0x1p-20f, ray->from,
                             at->prim + 1};
+    work->shadow_rays++;
     return bvh_hit_any(s, &way);
 }
 
 void path_shade(const struct stage *s, const struct ray *ray, const struct ray_hit *hit,
-                struct path_vertex *v)
+                struct path_vertex *v, struct film_work *work)
 {
     const struct stage_detail *d = surface_detail_of(s, hit->prim, hit->instance);
     if (!d || v->wo[2] == 0)
         return;
-    const bool smooth = d->normals != STAGE_NONE;
-    if (!smooth && !(v->material->needs & MATERIAL_NEEDS_TANGENT))
+    const bool smooth = d->normals != STAGE_NONE, relief = v->material->relief;
+    if (!smooth && !relief && !(v->material->needs & MATERIAL_NEEDS_TANGENT))
         return;
-    const struct surface_detail detail = surface_detail_at(s, d, hit, &v->at);
+    struct surface_detail detail = surface_detail_at(s, d, hit, &v->at);
+    if (relief)
+        detail.ns = relief_normal(s, v->material, &v->point, &detail, v->at.ng);
     if (smooth)
         v->raised.is = surface_detail_raise(s, d, hit, &v->at, v->wo[2], &v->raised.p);
     turn_frame(v, &detail, -ray->dir);
-    if (smooth && is_caught(s, ray, hit, &v->at))
+    if ((smooth || relief) && is_caught(s, ray, hit, &v->at, work))
         v->wo[2] = 0; /* the path ends */
 }
 
 /* And a little beyond, so that what touches the point counts as being in the way. */
-bool path_shade_is_clear(const struct stage *s, const struct path_vertex *v)
+bool path_shade_is_clear(const struct stage *s, const struct path_vertex *v, struct film_work *work)
 {
     struct ray way = surface_to_point(&v->at, v->raised.p);
     way.t_max = 1 + 0x1p-10f;
+    work->shadow_rays++;
     return !bvh_hit_any(s, &way);
 }
 
@@ -75,9 +80,10 @@ struct surface path_shade_raised(const struct path_vertex *v)
     return from;
 }
 
-bool path_shade_move(const struct stage *s, struct path_vertex *v, vec3 dir, vec3 wi)
+bool path_shade_move(const struct stage *s, struct path_vertex *v, vec3 dir, vec3 wi,
+                     struct film_work *work)
 {
-    if (!path_shade_is_raised(v, dir, wi) || !path_shade_is_clear(s, v))
+    if (!path_shade_is_raised(v, dir, wi) || !path_shade_is_clear(s, v, work))
         return false;
     v->at = path_shade_raised(v);
     return true;

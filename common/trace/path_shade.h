@@ -17,10 +17,11 @@
 
 #include "common/trace/path.h"
 
-/* v: the plain vertex of the hit (its frame of ng, any tangent), nothing raised. Where the shape
- * has no detail, it stays as it is. Afterwards wo is on the same side of z as of ng. */
+/* work, here and below: counts on. v: the plain vertex of the hit (its frame of ng, any tangent),
+ * nothing raised; its point is set where the material has textures. Where the shape has no detail, it stays as it is. Afterwards wo is on the same
+ * side of z as of ng. */
 void path_shade(const struct stage *, const struct ray *, const struct ray_hit *,
-                struct path_vertex *v);
+                struct path_vertex *v, struct film_work *work);
 
 /* Whether light from wi, local, along dir, the same in the world, may be gathered at the raised
  * point: only if it may not at v->at. */
@@ -30,13 +31,14 @@ static inline bool path_shade_is_raised(const struct path_vertex *v, vec3 dir, v
 }
 
 /* Whether free space leads there from v->at. */
-bool path_shade_is_clear(const struct stage *, const struct path_vertex *v);
+bool path_shade_is_clear(const struct stage *, const struct path_vertex *v, struct film_work *work);
 
 /* v->at as it is there: in the air, on no triangle. */
 struct surface path_shade_raised(const struct path_vertex *v);
 
 /* For a direction on different sides of the two normals: moves v->at there if the path may go on
  * from there. False: it ends. */
-bool path_shade_move(const struct stage *, struct path_vertex *v, vec3 dir, vec3 wi);
+bool path_shade_move(const struct stage *, struct path_vertex *v, vec3 dir, vec3 wi,
+                     struct film_work *work);
 
 #endif

@@ -9,6 +9,7 @@
 #include "common/trace/layer.h"
 #include "common/trace/sampler.h"
 #include "common/trace/wave.h"
+#include "common/trace/work.h"
 
 /* A sample above this is taken for an error. SCENE_MAX_SPP = 2^24 samples below it, weighed by 16/9
  * at most, add up to less than 2^127, so that no sum leaves the range of float. */
@@ -25,6 +26,7 @@ struct octet {
     struct camera_rays rays;
     f32x8 weight;              /* of the elder's samples, if the filter is signed */
     uint32_t elder;            /* whose rays they are; UINT32_MAX: nobody's */
+    bool younger;              /* they are the elder's to count */
     uint32_t begun;            /* bit i: starts[i] is the elder's, too */
     struct wave_starts starts; /* for two siblings each */
 };
@@ -53,6 +55,7 @@ static void octet_go(struct octet *o, uint32_t index)
 {
     const struct stage *s = o->stage;
     rng_pixel_go(&o->rng, index);
+    o->younger = index % 2 != 0;
     if (o->elder == index / 2)
         return;
     o->elder = index / 2;
@@ -84,6 +87,8 @@ static void octet_begin(struct octet *o, uint32_t which)
 static void octet_put(struct octet *o, uint32_t which, struct wave *w, uint32_t number)
 {
     octet_begin(o, which);
+    if (!o->younger)
+        film_work_add(&w->work, &o->starts.work);
     wave_put(w, which, &o->starts, o->rng.replicate, number);
 }
 
@@ -226,6 +231,8 @@ void render_row(const struct stage *s, struct film_samples *out, uint32_t y_px)
     for (uint32_t x = rect.x_begin; x < rect.x_end; x++)
         row_pixel(&r, x);
     row_flush(&r);
+    r.wave.work.units = work_units(s, &r.wave.work);
+    film_work_add(&out->work, &r.wave.work);
 }
 
 void render_tile(const struct stage *s, struct film_samples *out)

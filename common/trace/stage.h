@@ -21,7 +21,7 @@
 
 #define STAGE_MAGIC "SMSTAGE"
 
-enum { STAGE_VERSION = 4, STAGE_ALIGN = 64, STAGE_LANES = 8 };
+enum { STAGE_VERSION = 5, STAGE_ALIGN = 64, STAGE_LANES = 8 };
 
 struct stage_span {  /* an array inside the block */
     uint64_t offset; /* bytes from the start of the stage, 64-aligned */
@@ -156,6 +156,8 @@ struct stage_texture {
 struct stage_tree {
     uint32_t root;                   /* bvh.h */
     uint32_t block_begin, block_end; /* its triangles */
+    uint32_t pad;
+    double cost; /* of a ray that crosses it: bvh_cost.h */
 };
 
 /* A shape whose mesh is shared. */
@@ -206,7 +208,8 @@ struct stage_map_row {
     float edge, width;   /* s = (1 - cos) / 2 of the angle from the nearer pole: at the row's edge that
                           * is nearer to it, and how much more at the other */
     float solid_angle;   /* of one of its pixels */
-    uint32_t begin;      /* its part of [0, 2^32) begins here and ends where the next one's does */
+    uint32_t begin;      /* its part of [0, 2^32) begins here and ends where the next one's does;
+                          * UINT32_MAX: at the end, it is empty */
 };
 
 struct stage_map_pixel {
@@ -283,6 +286,11 @@ struct stage_bodies {
     uint32_t material[STAGE_BODIES];
 };
 
+/* What is counted (struct film_work) in units of work, each (work.h). */
+struct stage_prices {
+    uint32_t camera_ray, bounce_ray, shadow_ray, plain_vertex, other_vertex;
+};
+
 struct stage {
     char magic[8];         /* STAGE_MAGIC */
     uint32_t version;      /* STAGE_VERSION */
@@ -308,6 +316,7 @@ struct stage {
     uint32_t media;             /* what the scene uses of medium.h */
     struct stage_bodies around; /* the camera, when media is not 0 */
     float cone_width, cone_spread; /* of camera rays (cone.h), when there are pyramids */
+    struct stage_prices prices;
 
     /* Only spans from here to the end: stage_check knows them by their place. */
     struct stage_span shapes; /* struct stage_shape, and one more, whose prim_begin is prim_count */
@@ -331,6 +340,7 @@ struct stage {
     struct stage_span uvs;       /* struct stage_uv */
     struct stage_span colors;    /* struct stage_color */
     struct stage_span slots;     /* struct material_slot */
+    struct stage_span reliefs;   /* struct material_relief */
     struct stage_span textures;  /* struct stage_texture */
     struct stage_span pyramids;  /* struct stage_pyramid */
     struct stage_span bytes8;    /* struct stage_bytes, one if anything is kept in bytes */

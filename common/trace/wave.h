@@ -28,6 +28,7 @@ struct wave_starts {
     uint32_t ends;         /* nothing else comes along the ray */
     uint32_t plain;        /* the vertex is in lanes */
     rgb light[WAVE_LANES]; /* of the sky, or of the vertex itself */
+    struct film_work work; /* that they have taken: only one of two siblings counts it */
     struct path8_vertex lanes;
     struct path_vertex vertices[WAVE_LANES]; /* those that are not plain */
     /* In a scene with media alone: what each path starts with anew. */
@@ -48,11 +49,13 @@ struct wave {
     const struct stage *stage;
     uint32_t roulette_begin;
     rgb *radiance;            /* by the path's number; the caller's */
+    struct film_work work;    /* of all paths so far, but for their starts */
     struct wave_terms *terms; /* or NULL; the caller's */
 
     uint32_t going; /* lanes with a path that has a vertex to go on from */
     uint32_t plain; /* where the path is: in lanes, or in paths */
     struct path8 lanes;
+    struct path8_vertex vertices[2]; /* one is where the lanes are, the other for the next */
     struct path paths[WAVE_LANES];
     struct path_media media[WAVE_LANES];  /* of paths in a scene with media */
     uint32_t number[WAVE_LANES];          /* the path's */
@@ -66,7 +69,6 @@ struct wave {
      */
     struct sobol8_bits lamp;
     struct path8_draw draw;
-    f32x8 lobe;
 
     struct ray rays[WAVE_LANES], shadows[WAVE_LANES];
 };
@@ -93,8 +95,20 @@ void wave_finish(struct wave *);
 
 /* --- of wave.c alone: what it does otherwise (wave_otherwise.c) --- */
 
+void wave_choose_materials(struct wave *); /* in scenes where some are made of others */
+void wave_apply_textures(struct wave *);   /* in scenes with some */
 void wave_draw_otherwise(struct wave *);
 uint32_t wave_smooth_alone(const struct wave *, uint32_t next);
+
+/* Of a step, before its rays are traced: those along which paths look at lights, and go on. */
+static inline void wave_count(struct wave *w, uint32_t lamps, uint32_t next)
+{
+    struct film_work *work = &w->work;
+    work->plain_vertices += (uint64_t)__builtin_popcount(w->going & w->plain);
+    work->other_vertices += (uint64_t)__builtin_popcount(w->going & ~w->plain);
+    work->shadow_rays += (uint64_t)__builtin_popcount(lamps);
+    work->bounce_rays += (uint64_t)__builtin_popcount(next);
+}
 
 /* By other samplers than Sobol's: all numbers of a bounce, whether there is a use for them or not.
  */
