@@ -167,7 +167,7 @@ static void draw_line(struct buf *b, const struct chart_line *line, uint32_t i,
 
 static enum svg_fill fill_of(const struct chart_line *line, const struct chart_point *p)
 {
-    if (p->tail || p->untrusted > 0.05)
+    if (p->tail || p->unknown + p->heavy > 0.05)
         return SVG_HATCHED;
     return p->near_floor || line->missing ? SVG_HOLLOW : SVG_FULL;
 }
@@ -360,7 +360,7 @@ static void draw_key(struct buf *b, const struct chart *c, double y)
     const char *const lines[] = {
         "Hollow: within three times of the reference's noise. Hatched: one pixel in a thousand has "
         "most "
-        "of the error, or blocks have under 32 effective samples.",
+        "of the error, or a 20th of them too few samples or a heavy tail.",
         "Open triangle: a class of paths is missing; its energy stands in the last column (!). "
         "Dotted, beside a line: the error without one pixel in a thousand.",
         "Yellow: the frontier, no point is better in both. Diagonals: equal efficiency. "
