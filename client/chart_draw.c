@@ -38,9 +38,12 @@ static void widen(double *least, double *most, double value)
 
 static struct chart_axes axes_of(const struct chart *c)
 {
-    struct chart_axes a = {
-        PLOT_LEFT, PLOT_TOP, PLOT_LEFT + PLOT_WIDTH, PLOT_TOP + PLOT_HEIGHT, INFINITY, 0, INFINITY,
-        0,         false};
+    struct chart_axes a = {.left = PLOT_LEFT,
+                           .top = PLOT_TOP,
+                           .right = PLOT_LEFT + PLOT_WIDTH,
+                           .bottom = PLOT_TOP + PLOT_HEIGHT,
+                           .x_least = HUGE_VAL,
+                           .y_least = HUGE_VAL};
     for (uint32_t i = 0; i < c->line_count; i++)
         for (uint32_t p = 0; p < c->point_count; p++) {
             widen(&a.x_least, &a.x_most, c->lines[i].curve.work[p]);
