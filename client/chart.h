@@ -59,7 +59,7 @@ struct chart_point {
     struct curve_value error; /* relMSE */
     double trimmed;           /* without one pixel in a thousand */
     double unknown, heavy;    /* shares of a run's pixels, of the runs' mean: evidence.h */
-    bool tail;                /* one pixel in a thousand has most of the error */
+    bool tail;                /* one pixel in a thousand, or one run, has most of the error */
     bool near_floor;          /* within three times of the reference's noise */
 };
 

@@ -361,9 +361,9 @@ static void draw_row(struct buf *b, const struct chart *c, uint32_t i, double y)
 static void draw_key(struct buf *b, const struct chart *c, double y)
 {
     const char *const lines[] = {
-        "Hollow: within three times of the reference's noise. Hatched: one pixel in a thousand has "
-        "most "
-        "of the error, or a 20th of them too few samples or a heavy tail.",
+        "Hollow: within three times of the reference's noise. Hatched: one pixel in a thousand or "
+        "one run "
+        "has most of the error, or many pixels have too few samples.",
         "Open triangle: a class of paths is missing; its energy stands in the last column (!). "
         "Dotted, beside a line: the error without one pixel in a thousand.",
         "Yellow: the frontier, no point is better in both. Diagonals: equal efficiency. "

@@ -115,7 +115,10 @@ static void fill_point(const struct chart *c, struct chart_line *line, uint32_t 
         p->heavy += runs[r].heavy / n;
     }
     p->error = curve_at(&line->curve, point);
-    p->tail = p->trimmed < 0.5 * p->error.at;
+    double most = 0;
+    for (uint32_t r = 0; r < n; r++)
+        most = fmax(most, line->curve.error[point][r]);
+    p->tail = p->trimmed < 0.5 * p->error.at || most > 0.5 * n * p->error.at;
     p->near_floor = p->error.at < FLOOR_FACTOR * c->reference.noise;
 }
 
