@@ -77,7 +77,7 @@ $(O)/libserver.a: $(call obj,$(SERVER))
 $(O)/libworker.a: $(call obj,$(WORKER))
 $(O)/libclient.a: $(call obj,$(CLIENT))
 $(O)/libaccel.a:  $(call obj,$(ACCEL))
-$(O)/libtest.a:   $(call obj,$(filter-out tests/test_%.c tests/tool_%.c tests/fuzz_%.c,$(wildcard tests/*.c tests/stat/*.c)))
+$(O)/libtest.a:   $(call obj,$(filter-out tests/test_%.c tests/tool_%.c tests/fuzz_%.c,$(wildcard tests/*.c tests/stat/*.c tests/stability/*.c)))
 $(O)/libbench.a:  $(call obj,$(BENCH_PARTS))
 $(O)/%.a:
 	@rm -f $@
