@@ -3,12 +3,13 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "common/base.h"
 
 /* The numbers of the rules. They were set on the scenes of `make bench-planner` that are not held
  * out. */
-#define PILOT_SHARE    0.02 /* of the work that is expected, for all pilots together */
+#define PILOT_SHARE    0.01 /* of the work that is expected, for all pilots together */
 #define CLOSE          1.05 /* a simpler method may cost so much more: its pilot has a price, too */
 #define MOST_TAIL      0.5
 #define MOST_THIN      0.05
@@ -16,7 +17,7 @@
 #define SMALL_LIGHT_SR 0.05
 #define PEAKED_MAP     50.0
 
-enum { LEAST_PIXELS = 64, MOST_PIXELS = 4096 };
+enum { MOST_PIXELS = 4096, PILOT_SPP = 64, LEAST_SPP = 16 };
 
 static const struct plan_method methods[PLAN_REAL] = {
     [PLAN_DIRECT] = {INTEGRATOR_DIRECT, STRATEGY_MIS, SAMPLER_SOBOL},
@@ -35,6 +36,27 @@ const char *plan_candidate_name(enum plan_candidate_kind k)
         [PLAN_PHOTON_MAP] = "photon map", [PLAN_METROPOLIS] = "metropolis",
     };
     return names[k];
+}
+
+struct plan_names plan_names(enum plan_candidate_kind k)
+{
+    static const char *const integrators[] = {[INTEGRATOR_PATH] = "path",
+                                              [INTEGRATOR_DIRECT] = "direct",
+                                              [INTEGRATOR_WHITTED] = "whitted"};
+    static const char *const strategies[] = {
+        [STRATEGY_MIS] = "mis", [STRATEGY_LIGHT] = "light", [STRATEGY_BSDF] = "bsdf"};
+    return (struct plan_names){integrators[methods[k].integrator], strategies[methods[k].strategy]};
+}
+
+enum plan_candidate_kind plan_find(const char *integrator, const char *strategy)
+{
+    int k = 0;
+    for (; k < PLAN_REAL; k++) {
+        const struct plan_names n = plan_names((enum plan_candidate_kind)k);
+        if (!strcmp(n.integrator, integrator) && !strcmp(n.strategy, strategy))
+            break;
+    }
+    return (enum plan_candidate_kind)k;
 }
 
 const char *plan_class_name(enum plan_class c)
@@ -172,21 +194,33 @@ static void consider_each(struct plan *p)
     }
 }
 
-/* For so many candidates; 0: none. */
+uint32_t plan_fit(const struct plan *p, double job_spp, uint32_t *spp)
+{
+    uint32_t count = 0;
+    for (int k = 0; k < PLAN_REAL; k++)
+        count += p->candidates[k].verdict == PLAN_DEARER;
+    const double samples = job_spp * (double)p->pixels * PILOT_SHARE / (count ? count : 1);
+    const double most = (double)min_size(MOST_PIXELS, 4 * (size_t)p->pixels);
+    *spp = samples >= 2 * PLAN_LEAST_PIXELS * PILOT_SPP ? PILOT_SPP : LEAST_SPP;
+    const double fit = samples / *spp;
+    return (uint32_t)(fit < most ? fit : most) / 4 * 4;
+}
+
 static void size_pilots(struct plan *p, uint32_t count, bool may_pilot)
 {
-    const double of_pixel = (double)count * PLAN_PILOT_SPP * p->rough_work;
-    const double fit = of_pixel > 0 ? p->expected * PILOT_SHARE / of_pixel : 0;
-    const uint64_t most = min_size(MOST_PIXELS, 4 * (size_t)p->pixels);
+    const uint32_t fit = plan_fit(p, p->rough_spp, &p->pilot_spp);
+    p->is_alone = count == 1;
     if (count == 1)
         snprintf(p->why_no_pilot, PLAN_WHY, "there is nothing to choose from");
-    else if (!may_pilot)
+    if (!may_pilot && count > 1)
         snprintf(p->why_no_pilot, PLAN_WHY, "the scene is too large to be copied");
-    else if (fit < LEAST_PIXELS)
+    if (!may_pilot)
+        return;
+    if (fit >= PLAN_LEAST_PIXELS)
+        p->pilot_pixels = fit;
+    else if (count > 1)
         snprintf(p->why_no_pilot, PLAN_WHY,
                  "%.3g units of work are too few for a pilot to pay for itself", p->expected);
-    else
-        p->pilot_pixels = (uint32_t)(fit < (double)most ? fit : (double)most) / 4 * 4;
 }
 
 void plan_consider(struct plan *p, bool may_pilot)
@@ -257,7 +291,7 @@ static void choose_by_pilots(struct plan *p)
 void plan_choose(struct plan *p)
 {
     struct plan_candidate *usual = &p->candidates[PLAN_PATH_MIS];
-    if (p->pilot_pixels > 0)
+    if (p->pilot_pixels > 0 && !p->is_alone)
         choose_by_pilots(p);
     else
         rule(usual, PLAN_CHOSEN, "the usual method: %s", p->why_no_pilot);

@@ -21,7 +21,7 @@
 enum {
     PLAN_VERSION = 1,
     PLAN_WHY = 160,         /* bytes of a reason */
-    PLAN_PILOT_SPP = 64,    /* of a pixel of a pilot: 8 of each replicate */
+    PLAN_LEAST_PIXELS = 32, /* of a pilot */
     PLAN_MAX_BYTES = 16384, /* of a printed plan */
 };
 
@@ -156,6 +156,8 @@ struct plan {
     double studied;                    /* units that the study has taken, with its pilots */
 
     uint32_t pilot_pixels; /* 0: none, and why_no_pilot says why */
+    uint32_t pilot_spp;
+    bool is_alone; /* the usual method is the only candidate: its pilot is for the forecast */
     char why_no_pilot[PLAN_WHY];
     struct plan_candidate candidates[PLAN_CANDIDATES];
     enum plan_candidate_kind chosen;
@@ -164,6 +166,14 @@ struct plan {
 };
 
 const char *plan_candidate_name(enum plan_candidate_kind);
+
+/* Methods as documents name them. plan_find: PLAN_REAL when there is none of these names. */
+struct plan_names {
+    const char *integrator, *strategy;
+};
+
+struct plan_names plan_names(enum plan_candidate_kind); /* below PLAN_REAL */
+enum plan_candidate_kind plan_find(const char *integrator, const char *strategy);
 struct plan_method plan_method_of(const struct plan *, enum plan_candidate_kind);
 
 /* --- the steps --- */
@@ -174,6 +184,10 @@ void plan_init(struct plan *, const struct scene_settings *, uint64_t pixels);
 /* After features, light, rough_variance and rough_work: settles which candidates are tried
  * (verdict PLAN_DEARER until plan_choose) and pilot_pixels. */
 void plan_consider(struct plan *, bool may_pilot);
+
+/* Pixels of pilots that are small beside a job of so many samples of a pixel; *spp: their own.
+ * Below PLAN_LEAST_PIXELS: they are not worth it. */
+uint32_t plan_fit(const struct plan *, double job_spp, uint32_t *spp);
 
 static inline bool plan_wants(const struct plan *p, enum plan_candidate_kind k)
 {

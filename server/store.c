@@ -33,17 +33,18 @@ static const char *const steps[] = {
     " job INTEGER NOT NULL REFERENCES job(number), samples INTEGER NOT NULL, spp INTEGER NOT NULL,"
     " elapsed_ms INTEGER NOT NULL, cpu_us INTEGER NOT NULL, error REAL NOT NULL,"
     " PRIMARY KEY (job, samples)) STRICT, WITHOUT ROWID",
+    "ALTER TABLE job ADD COLUMN method INTEGER NOT NULL DEFAULT 0",
 };
 
 #define NAMES                                                                                      \
     "id, document, title, state, priority, width, height, tile_px, x_begin, y_begin, x_end, "      \
     "y_end, target_error, target_spp, target_seconds, settled, created, started, finished, "       \
     "elapsed_ms, samples, passes, spp, error, cpu_us, granted, expired, returned, duplicates, "    \
-    "invalid, image, digest, checkpoint, reason, in_pass, in_tile, has_pass, layers, keys"
+    "invalid, image, digest, checkpoint, reason, in_pass, in_tile, has_pass, layers, method, keys"
 #define MARKS                                                                                      \
     "?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, "  \
     "?21, ?22, ?23, ?24, ?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, ?33, ?34, ?35, ?36, ?37, ?38, "   \
-    "?39"
+    "?39, ?40"
 
 enum column_kind { COLUMN_INT, COLUMN_REAL, COLUMN_TEXT };
 
@@ -94,6 +95,7 @@ static const struct column {
     AT(COLUMN_INT, failure.tile),
     AT(COLUMN_INT, failure.has_pass),
     AT(COLUMN_INT, layers),
+    AT(COLUMN_INT, method),
 #undef AT
 };
 
@@ -271,7 +273,7 @@ static bool row_is_sane(const struct store_job *j)
            j->height_px <= SCENE_MAX_SIDE_PX && c.x_begin < c.x_end && c.x_end <= j->width_px &&
            c.y_begin < c.y_end && c.y_end <= j->height_px && j->tile_px >= TILE_MIN_PX &&
            j->tile_px <= TILE_MAX_PX && j->target.spp >= 1 && j->target.spp <= SCENE_MAX_SPP &&
-           layers_are_known(j->layers);
+           layers_are_known(j->layers) && j->method < STORE_METHOD_PLANNED + PLAN_REAL;
 }
 
 static bool read_row(sqlite3_stmt *q, struct store_job *job, struct err *err)

@@ -63,12 +63,12 @@ static void rules(void)
     p.features.emitters[PLAN_SURFACE] = 0;
     p.features.emitters[PLAN_POINT] = 1;
     plan_consider(&p, true);
-    ok(p.pilot_pixels == 0 && verdict(&p, PLAN_PATH_BSDF) == PLAN_RULED_OUT, "points alone: %s",
+    ok(p.is_alone && verdict(&p, PLAN_PATH_BSDF) == PLAN_RULED_OUT, "points alone: %s",
        p.why_no_pilot);
     p = facts(1);
     p.max_bounces = 1;
     plan_consider(&p, true);
-    ok(verdict(&p, PLAN_DIRECT) == PLAN_RULED_OUT && p.pilot_pixels == 0, "one bounce: %s",
+    ok(verdict(&p, PLAN_DIRECT) == PLAN_RULED_OUT && p.is_alone, "one bounce: %s",
        p.candidates[PLAN_DIRECT].why);
 }
 
@@ -92,17 +92,21 @@ static void pilots_are_small(void)
 {
     struct plan p = facts(1);
     plan_consider(&p, true);
-    const double pilots = 2.0 * p.pilot_pixels * PLAN_PILOT_SPP * p.rough_work;
-    ok(p.pilot_pixels >= 64 && p.pilot_pixels % 4 == 0 && pilots <= .02 * p.expected,
+    const double pilots = 2.0 * p.pilot_pixels * p.pilot_spp * p.rough_work;
+    ok(p.pilot_pixels >= PLAN_LEAST_PIXELS && p.pilot_spp == 64 && p.pilot_pixels % 4 == 0 &&
+           pilots <= .01 * p.expected,
        "two pilots of %u pixels: %.2f %% of the work", p.pilot_pixels, 100 * pilots / p.expected);
     plan_consider(&p, false);
     ok(p.pilot_pixels == 0, "none: %s", p.why_no_pilot);
+    p.pixels = 200;
+    plan_consider(&p, true);
+    ok(p.pilot_pixels >= PLAN_LEAST_PIXELS && p.pilot_spp == 16, "of less work shorter ones");
     p = facts(1);
-    p.pixels = 300;
+    p.pixels = 30;
     plan_consider(&p, true);
     ok(p.pilot_pixels == 0, "none: %s", p.why_no_pilot);
     plan_choose(&p);
-    ok(p.chosen == PLAN_PATH_MIS && p.forecast == 1000.0 * 500 * 300,
+    ok(p.chosen == PLAN_PATH_MIS && p.forecast == 1000.0 * 500 * 30,
        "then it is path, mis, with the rough forecast");
     ok(p.forecast_low == p.forecast / 2 && p.forecast_high == p.forecast * 2, "and a wide range");
 }

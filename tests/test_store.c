@@ -48,6 +48,7 @@ static struct store_job full_row(void)
     row.id = 0xffffffffffffffff;
     row.crop = (struct tile_rect){10, 20, 110, 190};
     row.layers = LAYER_ALBEDO | 3 << 8;
+    row.method = STORE_METHOD_PLANNED + PLAN_PATH_BSDF;
     row.state = JOB_PAUSED;
     row.priority = -100;
     row.settled = true;
@@ -81,7 +82,7 @@ static bool rows_equal(const struct store_job *a, const struct store_job *b)
     return a->id == b->id && a->number == b->number && !strcmp(a->document, b->document) &&
            !strcmp(a->title, b->title) && a->state == b->state && a->priority == b->priority &&
            a->width_px == b->width_px && a->height_px == b->height_px && a->tile_px == b->tile_px &&
-           !memcmp(&a->crop, &b->crop, sizeof a->crop) && a->layers == b->layers &&
+           !memcmp(&a->crop, &b->crop, sizeof a->crop) && a->layers == b->layers && a->method == b->method &&
            a->target.error == b->target.error && a->target.spp == b->target.spp &&
            a->target.seconds == b->target.seconds && a->settled == b->settled &&
            a->created_unix_ms == b->created_unix_ms && a->started_unix_ms == b->started_unix_ms &&
@@ -134,13 +135,15 @@ static void former_version(void)
     sqlite3 *db = NULL;
     ok(sqlite3_open(path_of("v1.db"), &db) == SQLITE_OK &&
            sqlite3_exec(
-               db, "ALTER TABLE job DROP COLUMN layers; DROP TABLE point; PRAGMA user_version = 1",
+               db,
+               "ALTER TABLE job DROP COLUMN layers; ALTER TABLE job DROP COLUMN method; "
+               "DROP TABLE point; PRAGMA user_version = 1",
                NULL, NULL, NULL) == SQLITE_OK,
        "it becomes one of version 1");
     sqlite3_close(db);
     struct seen seen = {.count = 0};
     s = store_open(path_of("v1.db"), &err);
-    row.layers = 0;
+    row.layers = row.method = 0;
     ok(s && store_jobs(s, note, &seen, &err) && seen.count == 1 && rows_equal(&seen.jobs[0], &row),
        "and is read by this one %s", err.text);
     store_close(s);

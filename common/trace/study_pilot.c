@@ -15,8 +15,20 @@ enum {
     FIRST_SPP = 16, /* of a pilot: where its slope begins */
     TAIL_PART = 50, /* one in so many pixels is of the tail */
     MOST_TAIL = 128,
+    FIRST_BLOCKS = 16,
+    LEAST_PLACES = 16,
+    MOST_PLACES = 1024,
+    PLACE_SAMPLES = 24,
     THIN = 3, /* of eight replicates, so few have found the light */
 };
+
+/* Of the squared error over samples, log by log: what whole images of the corpus have from 8
+ * samples to 1024 (bench_planner). A pilot's own slope, from 16 to 64, is twice as far from -1 as
+ * what comes after. */
+#define ROUGH_SLOPE (-1.1)
+#define STEEPEST    (-1.25)
+
+#define STUDY_SHARE 0.005 /* of the samples that are expected */
 
 #define FLOOR 0.01 /* of the mean: relative to less than that no error counts (estimate.h) */
 
@@ -26,6 +38,7 @@ struct pixel {
     double square[3];                     /* after all */
     double mean[3];
     double scale[3]; /* what squared errors are relative to */
+    double units;    /* of work */
 };
 
 struct shot {
@@ -91,6 +104,7 @@ static void shoot_block(struct shot *shot, struct film_samples *samples, uint32_
     samples->rect = block_rect(shot->stage, block);
     const uint32_t pixels = tile_rect_pixels(samples->rect);
     struct pixel *to = shot->pixels + shot->count;
+    const uint64_t before = samples->work.units;
     memset(to, 0, pixels * sizeof *to);
     const uint32_t first = min_u32(FIRST_SPP, shot->spp);
     render(shot->stage, samples, (struct tile_pass){0, first}, to);
@@ -99,6 +113,7 @@ static void shoot_block(struct shot *shot, struct film_samples *samples, uint32_
     if (first < shot->spp)
         render(shot->stage, samples, (struct tile_pass){first, shot->spp}, to);
     for (uint32_t i = 0; i < pixels; i++) {
+        to[i].units = (double)(samples->work.units - before) / pixels;
         judge(to[i].replicate, shot->spp, to[i].square, to[i].mean);
         for (int r = 0; r < FILM_REPLICATES; r++)
             for (int c = 0; c < 3; c++)
@@ -185,20 +200,22 @@ static void tail_note(struct tail *t, double v)
 static double slope_of(double early, double late, uint32_t spp)
 {
     if (!(early > 0) || !(late > 0) || spp <= FIRST_SPP)
-        return -1;
-    const double slope = fmath_log2(late / early) / fmath_log2((double)spp / FIRST_SPP);
-    return slope > -1 ? -1 : slope < -1.5 ? -1.5 : slope;
+        return ROUGH_SLOPE;
+    const double measured = fmath_log2(late / early) / fmath_log2((double)spp / FIRST_SPP);
+    const double slope = -1 + 0.5 * (measured + 1);
+    return slope > -1 ? -1 : slope < STEEPEST ? STEEPEST : slope;
 }
 
 /* Errors are relative to what `usual` has found. */
 static struct plan_pilot sum_up(const struct shot *shot, const struct shot *usual)
 {
-    double all = 0, early = 0, worst = 0;
+    double all = 0, early = 0, worst = 0, units = 0;
     uint32_t thin = 0;
     struct tail tail = {.most = min_u32(shot->count / TAIL_PART + 1, MOST_TAIL)};
     for (uint32_t i = 0; i < shot->count; i++) {
         const double e = relative(shot->pixels[i].square, usual->pixels[i].scale);
         all += e;
+        units += shot->pixels[i].units;
         early += relative(shot->pixels[i].early, usual->pixels[i].scale);
         thin += is_thin(&shot->pixels[i]);
         tail_note(&tail, e);
@@ -208,7 +225,7 @@ static struct plan_pilot sum_up(const struct shot *shot, const struct shot *usua
     return (struct plan_pilot){
         .variance = all / (3.0 * shot->count) * shot->spp,
         .slope = slope_of(early, all, shot->spp),
-        .work = (double)work_units(shot->stage, &shot->work) / ((double)shot->count * shot->spp),
+        .work = units / ((double)shot->count * shot->spp),
         .tail = all > 0 ? worst / all : 0,
         .thin = (double)thin / shot->count,
     };
@@ -251,18 +268,37 @@ static double spp_for(const struct plan *plan, const struct plan_pilot *p, uint3
 
 /* --- the candidates --- */
 
-static bool rough(struct study *t, struct arena *arena)
+/* By the usual method. */
+static bool look(struct study *t, uint32_t blocks, struct arena *arena)
 {
-    struct shot shot = {.blocks = t->places / 4, .spp = ROUGH_SPP};
+    struct shot shot = {.blocks = blocks, .spp = ROUGH_SPP};
     if (!shoot(t, t->stage, &shot, arena))
         return false;
     set_scales(&shot);
-    const struct plan_pilot p = sum_up(&shot, &shot);
+    struct plan_pilot p = sum_up(&shot, &shot);
+    p.slope = ROUGH_SLOPE;
     t->plan->rough_variance = p.variance;
     t->plan->rough_work = p.work;
     t->plan->rough_spp = spp_for(t->plan, &p, ROUGH_SPP);
     film_work_add(&t->work, &shot.work);
     return true;
+}
+
+/* A study is to be small beside its job, so the job is looked at first: a place costs it about
+ * PLACE_SAMPLES samples. */
+static uint32_t places_for(const struct plan *p)
+{
+    const double samples = p->rough_spp * (double)p->pixels;
+    const double fit = samples * STUDY_SHARE / PLACE_SAMPLES;
+    return fit < LEAST_PLACES ? LEAST_PLACES : fit < MOST_PLACES ? (uint32_t)fit : MOST_PLACES;
+}
+
+bool study_rough(struct study *t, struct arena *arena)
+{
+    if (!look(t, FIRST_BLOCKS, arena))
+        return false;
+    t->places = places_for(t->plan);
+    return t->places / 4 <= FIRST_BLOCKS || look(t, t->places / 4, arena);
 }
 
 static bool is_biased(enum plan_candidate_kind k)
@@ -281,25 +317,43 @@ static bool pilot(struct study *t, struct stage *copy, enum plan_candidate_kind 
         set_scales(shot);
     c->pilot = sum_up(shot, usual);
     c->pilot.bias = is_biased(k) ? bias_of(shot, usual) : 0;
-    c->pilot.spp = spp_for(t->plan, &c->pilot, PLAN_PILOT_SPP);
+    c->pilot.spp = spp_for(t->plan, &c->pilot, shot->spp);
     c->tried = true;
     t->plan->studied += (double)work_units(copy, &shot->work);
     return true;
 }
 
+/* By its own pilot the usual method may need much less than was thought: then the others' are
+ * smaller. All are judged by the same pixels. */
+static void shrink(struct plan *plan, struct shot *usual)
+{
+    struct plan_candidate *c = &plan->candidates[PLAN_PATH_MIS];
+    uint32_t spp;
+    const uint32_t fit = max_u32(plan_fit(plan, c->pilot.spp, &spp), PLAN_LEAST_PIXELS);
+    const uint32_t blocks = (uint32_t)((uint64_t)fit * spp / usual->spp / (BLOCK * BLOCK));
+    if (blocks >= usual->blocks || blocks < PLAN_LEAST_PIXELS / (BLOCK * BLOCK))
+        return;
+    const double job_spp = c->pilot.spp; /* known best by all of them */
+    usual->count = usual->count / usual->blocks * blocks;
+    usual->blocks = blocks;
+    set_scales(usual);
+    c->pilot = sum_up(usual, usual);
+    c->pilot.spp = job_spp;
+}
+
 bool study_pilots(struct study *t, struct arena *arena)
 {
     struct plan *plan = t->plan;
-    if (!rough(t, arena))
-        return false;
     plan_consider(plan, t->stage->bytes <= STUDY_MOST_BYTES);
     if (plan->pilot_pixels == 0)
         return true;
     struct stage *copy = study_stage(t->stage, arena);
     const uint32_t blocks = plan->pilot_pixels / (BLOCK * BLOCK);
-    struct shot usual = {.blocks = blocks, .spp = PLAN_PILOT_SPP}, shot = usual;
+    struct shot usual = {.blocks = blocks, .spp = plan->pilot_spp}, shot = usual;
     if (!pilot(t, copy, PLAN_PATH_MIS, &usual, &usual, arena))
         return false;
+    shrink(plan, &usual);
+    shot.blocks = usual.blocks;
     for (int k = 0; k < PLAN_REAL; k++)
         if (k != PLAN_PATH_MIS && plan_wants(plan, (enum plan_candidate_kind)k) &&
             !pilot(t, copy, (enum plan_candidate_kind)k, &shot, &usual, arena))
