@@ -7,8 +7,8 @@
  *     plan_print      all of it as JSON (docs/plan.md)
  *
  * Classes of light are named in Heckbert's notation, from the light to the eye: D a scattering into
- * many directions, S into a single one. A method that cannot find a class with more than half of
- * the error asked for, as a share of the image's light, is insufficient.
+ * many directions, S into a single one. A method that leaves out light that others find is
+ * insufficient. What no method finds is said.
  *
  * A plan is a pure function of document and assets: it is made of counted work, not of time.
  * SPDX-License-Identifier: MIT */
@@ -124,7 +124,6 @@ struct plan_pilot {
     double variance; /* of a sample, relative to the squares of pixels */
     double slope;    /* of the squared error over samples, log by log, from -1.5 to -1 */
     double work;     /* units of a sample */
-    double bias;     /* squared and relative, like the variance */
     double spp;      /* samples of a pixel to the target, by all these */
     double tail;     /* share of the variance in the worst fiftieth of the pixels */
     double thin;     /* share of pixels whose light is that of very few samples */
@@ -197,9 +196,8 @@ static inline bool plan_wants(const struct plan *p, enum plan_candidate_kind k)
 /* After the pilots. */
 void plan_choose(struct plan *);
 
-/* What methods are compared by: variance x work, more for one that is off by some of the error
- * already; infinite for one that is off by all of it. */
-double plan_price(const struct plan *, const struct plan_pilot *);
+/* What methods are compared by: variance x work. */
+double plan_price(const struct plan_pilot *);
 
 /* --- in words --- */
 

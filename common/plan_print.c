@@ -94,10 +94,9 @@ static void print_candidate(const struct plan *p, enum plan_candidate_kind k, st
         say_number(out, "variance", c->pilot.variance);
         say_number(out, "slope", c->pilot.slope);
         say_number(out, "units_per_sample", c->pilot.work);
-        say_number(out, "bias", c->pilot.bias);
         say_number(out, "tail", c->pilot.tail);
         say_number(out, "thin", c->pilot.thin);
-        say_number(out, "price", plan_price(p, &c->pilot));
+        say_number(out, "price", plan_price(&c->pilot));
         say(out, "}");
     }
     say(out, "}");

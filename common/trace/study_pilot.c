@@ -26,7 +26,7 @@ enum {
  * samples to 1024 (bench_planner). A pilot's own slope, from 16 to 64, is twice as far from -1 as
  * what comes after. */
 #define ROUGH_SLOPE (-1.1)
-#define STEEPEST    (-1.25)
+#define STEEPEST    (-1.5)
 
 #define STUDY_SHARE 0.005 /* of the samples that are expected */
 
@@ -231,37 +231,15 @@ static struct plan_pilot sum_up(const struct shot *shot, const struct shot *usua
     };
 }
 
-/* The squared difference of two methods' means, less what it would be by their noise. They share
- * their random numbers, so that most of that is gone beforehand. */
-static double bias_of(const struct shot *shot, const struct shot *usual)
-{
-    double sum = 0;
-    for (uint32_t i = 0; i < shot->count; i++) {
-        const struct pixel *a = &shot->pixels[i], *b = &usual->pixels[i];
-        for (int c = 0; c < 3; c++) {
-            double mean = 0, square = 0;
-            for (int r = 0; r < FILM_REPLICATES; r++)
-                mean += (a->replicate[r][c] - b->replicate[r][c]) / FILM_REPLICATES;
-            for (int r = 0; r < FILM_REPLICATES; r++) {
-                const double off = a->replicate[r][c] - b->replicate[r][c] - mean;
-                square += off * off / (FILM_REPLICATES * (FILM_REPLICATES - 1));
-            }
-            sum += (mean * mean - square) / b->scale[c] / (3.0 * shot->count);
-        }
-    }
-    return sum > 0 ? sum : 0;
-}
-
-/* Until the error is what is left of it beside the bias; a document without an error says itself
- * how many samples. */
+/* A document without an error says itself how many samples. */
 static double spp_for(const struct plan *plan, const struct plan_pilot *p, uint32_t spp)
 {
-    const double left = plan->error * plan->error - p->bias;
+    const double square = p->variance / spp / (plan->error * plan->error); /* times too large */
     if (!plan->is_asked)
         return plan->spp;
-    if (!(left > 0) || !(p->variance > 0))
-        return left > 0 ? FILM_REPLICATES : plan->spp;
-    const double doublings = fmath_log2(p->variance / spp / left) / -p->slope;
+    if (!(square > 0))
+        return FILM_REPLICATES;
+    const double doublings = fmath_log2(square) / -p->slope;
     const double n = spp * fmath_exp2(doublings < 40 ? doublings > -40 ? doublings : -40 : 40);
     return n < FILM_REPLICATES ? FILM_REPLICATES : n < plan->spp ? n : plan->spp;
 }
@@ -301,11 +279,6 @@ bool study_rough(struct study *t, struct arena *arena)
     return t->places / 4 <= FIRST_BLOCKS || look(t, t->places / 4, arena);
 }
 
-static bool is_biased(enum plan_candidate_kind k)
-{
-    return k == PLAN_DIRECT || k == PLAN_WHITTED;
-}
-
 static bool pilot(struct study *t, struct stage *copy, enum plan_candidate_kind k,
                   struct shot *shot, const struct shot *usual, struct arena *arena)
 {
@@ -316,44 +289,47 @@ static bool pilot(struct study *t, struct stage *copy, enum plan_candidate_kind 
     if (shot == usual)
         set_scales(shot);
     c->pilot = sum_up(shot, usual);
-    c->pilot.bias = is_biased(k) ? bias_of(shot, usual) : 0;
     c->pilot.spp = spp_for(t->plan, &c->pilot, shot->spp);
     c->tried = true;
     t->plan->studied += (double)work_units(copy, &shot->work);
     return true;
 }
 
-/* By its own pilot the usual method may need much less than was thought: then the others' are
- * smaller. All are judged by the same pixels. */
-static void shrink(struct plan *plan, struct shot *usual)
+/* What the usual method needs by its own pilot may be much less than was thought. So a quarter of
+ * the pilot comes first, and says how large it may be. */
+static bool pilot_usual(struct study *t, struct stage *copy, struct shot *usual,
+                        struct arena *arena)
 {
-    struct plan_candidate *c = &plan->candidates[PLAN_PATH_MIS];
+    struct plan *plan = t->plan;
+    const uint32_t most = plan->pilot_pixels / (BLOCK * BLOCK);
+    const uint32_t least = PLAN_LEAST_PIXELS / (BLOCK * BLOCK);
+    struct shot first = {.blocks = max_u32(most / 4, least), .spp = plan->pilot_spp};
     uint32_t spp;
-    const uint32_t fit = max_u32(plan_fit(plan, c->pilot.spp, &spp), PLAN_LEAST_PIXELS);
-    const uint32_t blocks = (uint32_t)((uint64_t)fit * spp / usual->spp / (BLOCK * BLOCK));
-    if (blocks >= usual->blocks || blocks < PLAN_LEAST_PIXELS / (BLOCK * BLOCK))
-        return;
-    const double job_spp = c->pilot.spp; /* known best by all of them */
-    usual->count = usual->count / usual->blocks * blocks;
-    usual->blocks = blocks;
-    set_scales(usual);
-    c->pilot = sum_up(usual, usual);
-    c->pilot.spp = job_spp;
+    if (!pilot(t, copy, PLAN_PATH_MIS, &first, &first, arena))
+        return false;
+    *usual = first;
+    const uint32_t pixels = plan_fit(plan, plan->candidates[PLAN_PATH_MIS].pilot.spp, &spp);
+    const double fit = (double)pixels * spp / plan->pilot_spp / (BLOCK * BLOCK);
+    const double between = __builtin_sqrt(fit * most); /* either may be far off */
+    const uint32_t blocks = between < most ? (uint32_t)between : most;
+    if (blocks <= first.blocks)
+        return true;
+    *usual = (struct shot){.blocks = blocks, .spp = plan->pilot_spp};
+    return pilot(t, copy, PLAN_PATH_MIS, usual, usual, arena);
 }
 
 bool study_pilots(struct study *t, struct arena *arena)
 {
     struct plan *plan = t->plan;
+    struct shot usual;
     plan_consider(plan, t->stage->bytes <= STUDY_MOST_BYTES);
     if (plan->pilot_pixels == 0)
         return true;
     struct stage *copy = study_stage(t->stage, arena);
-    const uint32_t blocks = plan->pilot_pixels / (BLOCK * BLOCK);
-    struct shot usual = {.blocks = blocks, .spp = plan->pilot_spp}, shot = usual;
-    if (!pilot(t, copy, PLAN_PATH_MIS, &usual, &usual, arena))
+    if (!pilot_usual(t, copy, &usual, arena))
         return false;
-    shrink(plan, &usual);
-    shot.blocks = usual.blocks;
+    plan->pilot_pixels = usual.count;
+    struct shot shot = {.blocks = usual.blocks, .spp = usual.spp};
     for (int k = 0; k < PLAN_REAL; k++)
         if (k != PLAN_PATH_MIS && plan_wants(plan, (enum plan_candidate_kind)k) &&
             !pilot(t, copy, (enum plan_candidate_kind)k, &shot, &usual, arena))
