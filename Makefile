@@ -7,6 +7,7 @@
 # make bench-rays                    the ray kernel beside Embree's (ARGS=--quick: half a minute)
 # make bench-accel                   the textbooks' structures beside ours: docs/accel.{csv,svg}
 # make bench-render [BASE=commit]    whole images against a former commit
+# make bench-examples [BASE=commit]  the scenes of scenes/ against a former commit
 # make bench-cycles                  whole images against Blender's Cycles
 # MODE=release|debug|asan|tsan|coverage|fuzz    CC=gcc|clang    WERROR=1    J=jobs at once
 
@@ -63,7 +64,7 @@ TOOLS  := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/tool_*.c))
 FUZZ   := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/fuzz_*.c))
 
 .PHONY: all tests demo pictures check check-unit check-rules check-e2e check-long mutants bench bench-rays bench-accel bench-render \
-	bench-cycles fuzz fuzz-run install clean
+	bench-examples bench-cycles fuzz fuzz-run install clean
 .SECONDARY:
 .DELETE_ON_ERROR:
 
@@ -178,6 +179,8 @@ bench-accel: $(B)/bench-accel
 	python3 bench/accel/chart.py docs/accel.csv docs/accel.svg
 bench-render: all $(B)/tool_local
 	BIN=$(B) BASE=$(BASE) python3 bench/bench_render.py
+bench-examples: all $(B)/tool_local
+	BIN=$(B) BASE=$(BASE) python3 bench/bench_examples.py
 bench-cycles: all $(B)/tool_local
 	BIN=$(B) python3 bench/bench_cycles.py
 

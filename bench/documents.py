@@ -1,8 +1,11 @@
-"""documents.py - the scenes that bench_render and bench_cycles render, as smalti documents.
+"""documents.py - the scenes that whole images are measured with, as smalti documents.
 
     FOLDER                   build/bench: meshes, documents and images of the benches are made there
     cornell() bunny() interior() terrain() spheres()      a document each; meshes are made when missing
-    sized(document, side, spp, seed)                      a copy at another size, count and seed
+    examples()                                            the names of those of scenes/
+    example(name)                                         one of them
+    lacking(document)                                     a file that it names and that is not there, or None
+    sized(document, side, spp, seed)                      a copy with another shorter side, count and seed
     written(document, name)                               the path of the document as a file in FOLDER
 
 ASSETS names the folder of scanned meshes (default ../shared/assets).
@@ -17,6 +20,7 @@ import ply
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 FOLDER = os.path.join(ROOT, "build", "bench")
+SCENES = os.path.join(ROOT, "scenes")
 ASSETS = os.environ.get("ASSETS", os.path.join(os.path.dirname(ROOT), "shared", "assets"))
 BUNNY = os.path.join(ASSETS, "stanford-bunny.obj")
 WALLS = 6  # shapes of scenes/cornell-box.json before its two blocks: walls and lamp
@@ -40,9 +44,22 @@ def _quad(material, *vertices, **more):
     return {"type": "quad", "material": material, "vertices": [list(v) for v in vertices], **more}
 
 
+def examples():
+    return sorted(name[:-len(".json")] for name in os.listdir(SCENES) if name.endswith(".json"))
+
+
+def example(name):
+    with open(os.path.join(SCENES, name + ".json"), encoding="utf-8") as file:
+        return json.load(file)
+
+
+def lacking(document):
+    files = [shape["file"] for shape in document["shapes"] if "file" in shape]
+    return next((file for file in files if not os.path.exists(os.path.join(FOLDER, file))), None)
+
+
 def cornell():
-    with open(os.path.join(ROOT, "scenes", "cornell-box.json"), encoding="utf-8") as file:
-        document = json.load(file)
+    document = example("cornell-box")
     document["film"] = {"width": 256, "height": 256, "filter": {"type": "box"}}
     return document
 
@@ -102,7 +119,9 @@ def terrain():
 
 def sized(document, side, spp, seed=0):
     document = copy.deepcopy(document)
-    document["film"].update(width=side, height=side)
+    film = document["film"]
+    shorter = min(film["width"], film["height"])
+    film.update(width=film["width"] * side // shorter, height=film["height"] * side // shorter)
     document["settings"].update(seed=seed, target={"spp": spp})
     return document
 

@@ -3,6 +3,7 @@
     shares(tool, few, more)     {function: share of the samples' time}, how it was measured; None where neither perf nor
                                 valgrind works
     of_rays(tool, shares)       the share of what common/trace/bvh*.c compiles to
+    instructions(tool, document)    executed inside render_tile; None where valgrind does not work
 
 By perf, sampling CPU time; the profile of the document `few` is taken away from that of `more`, so that reading and
 preparing do not count. Else by valgrind's callgrind, which counts instructions, not time, inside render_tile, on the
@@ -47,6 +48,14 @@ def _by_callgrind(tool, document, folder):
         if found:
             counts[found[2]] += int(found[1].replace(",", ""))
     return counts
+
+
+def instructions(tool, document):
+    if not shutil.which("valgrind"):
+        return None
+    with tempfile.TemporaryDirectory() as folder:
+        counts = _by_callgrind(tool, document, folder)
+    return sum(counts.values()) if counts else None
 
 
 def shares(tool, few, more):

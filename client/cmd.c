@@ -62,11 +62,12 @@ bool cmd_check_id(const char *text)
     return false;
 }
 
-int cmd_follow(struct remote *remote, const char *id, bool json)
+int cmd_follow(struct remote *remote, const char *id, bool json, bool curve)
 {
     struct err err;
     struct progress progress = progress_make(stderr, json);
-    struct watch watch = {.remote = remote, .id = id, .progress = &progress, .json = json};
+    struct watch watch = {
+        .remote = remote, .id = id, .progress = &progress, .json = json, .curve = curve};
     switch (watch_run(&watch, &err)) {
     case WATCH_RUNNING:
     case WATCH_OVER:

@@ -28,6 +28,7 @@ int cmd_watch(int argc, char *const *args);
 int cmd_fetch(int argc, char *const *args);
 int cmd_cancel(int argc, char *const *args);
 int cmd_check(int argc, char *const *args);
+int cmd_plan(int argc, char *const *args);
 int cmd_diff(int argc, char *const *args);
 int cmd_digest(int argc, char *const *args);
 
@@ -49,7 +50,7 @@ bool cmd_open(struct remote *, const char *flag, int *status) MUST_CHECK;
 bool cmd_check_id(const char *text); /* false: said on stderr that it is none */
 
 /* Shows a job until it ends (call watch_block before); returns the exit status. */
-int cmd_follow(struct remote *, const char *id, bool json);
+int cmd_follow(struct remote *, const char *id, bool json, bool curve);
 
 /* "smalti: TEXT" on stderr; returns the status that fits the code. */
 int cmd_fail(const struct err *);

@@ -21,6 +21,7 @@ static const char usage[] =
     "\n"
     "Files:\n"
     "  check SCENE        everything that is wrong with a scene\n"
+    "  plan SCENE         which method \"auto\" would render it with, why, and how much work it is\n"
     "  diff A.exr B.exr   how far A is from B\n"
     "  digest X.exr       SHA-256 of the pixels\n"
     "\n"
@@ -35,7 +36,8 @@ static const struct {
 } commands[] = {
     {"render", cmd_render}, {"submit", cmd_submit}, {"status", cmd_status},
     {"watch", cmd_watch},   {"fetch", cmd_fetch},   {"cancel", cmd_cancel},
-    {"check", cmd_check},   {"diff", cmd_diff},     {"digest", cmd_digest},
+    {"check", cmd_check},   {"plan", cmd_plan},     {"diff", cmd_diff},
+    {"digest", cmd_digest},
 };
 
 int main(int argc, char **argv)

@@ -224,6 +224,42 @@ bool remote_look(struct remote *r, const char *id, char etag[80], bool *changed,
     return take_job(&reply.body, job, json, err);
 }
 
+static void read_curve(const json_t *root, struct remote_curve *c)
+{
+    const json_t *points = json_object_get(root, "points"),
+                 *target = json_object_get(root, "target");
+    const size_t count = json_array_size(points), from = count - min_size(count, REMOTE_CURVE);
+    const double pixels = number_or(root, "pixels", 1);
+    *c = (struct remote_curve){
+        .target_error = number_or(target, "error", 0),
+        .forecast_spp = number_or(json_object_get(root, "forecast"), "samples", 0) / pixels,
+    };
+    for (size_t i = from; i < count; i++) {
+        const json_t *p = json_array_get(points, i);
+        c->points[c->count++] =
+            (struct remote_point){number_or(p, "samples", 0) / pixels, number_or(p, "error", 0)};
+    }
+}
+
+bool remote_convergence(struct remote *r, const char *id, struct remote_curve *curve,
+                        struct err *err)
+{
+    char path[64];
+    snprintf(path, sizeof path, "/v1/jobs/%s/convergence", id);
+    struct http_client_reply reply;
+    if (!call(r, simple("GET", path), &reply, err))
+        return false;
+    const struct buf *body = &reply.body;
+    json_t *root = json_loadb(body->size ? (const char *)body->data : "", body->size, 0, NULL);
+    const bool good = json_is_array(json_object_get(root, "points")) ||
+                      err_set(err, ERR_PROTOCOL, "the answer is not a curve");
+    if (good)
+        read_curve(root, curve);
+    json_decref(root);
+    buf_release(&reply.body);
+    return good;
+}
+
 bool remote_list(struct remote *r, struct remote_job *jobs, size_t most, size_t *count,
                  struct buf *json, struct err *err)
 {

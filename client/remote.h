@@ -43,6 +43,20 @@ struct remote_job {
     char failure[512];     /* "" unless it failed */
 };
 
+enum { REMOTE_CURVE = 512 };
+
+struct remote_point {
+    double spp; /* mean of the pixels */
+    double error;
+};
+
+struct remote_curve {
+    struct remote_point points[REMOTE_CURVE]; /* the latest so many, in order */
+    size_t count;
+    double target_error; /* 0: none */
+    double forecast_spp; /* when it should be there; 0: not known, or reached */
+};
+
 bool remote_open(struct remote *, const char *server, struct err *) MUST_CHECK;
 void remote_close(struct remote *);
 
@@ -58,6 +72,10 @@ bool remote_cancel(struct remote *, const char *id, struct remote_job *job,
 /* etag: in and out, "" at first; *changed false: as before, `job` is untouched. */
 bool remote_look(struct remote *, const char *id, char etag[80], bool *changed,
                  struct remote_job *job, struct buf *json, struct err *) MUST_CHECK;
+
+/* How the job's error went. */
+bool remote_convergence(struct remote *, const char *id, struct remote_curve *,
+                        struct err *) MUST_CHECK;
 
 /* The newest jobs, at most `most`; *count of them. */
 bool remote_list(struct remote *, struct remote_job *jobs, size_t most, size_t *count,

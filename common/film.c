@@ -13,6 +13,7 @@ void film_work_add(struct film_work *w, const struct film_work *more)
     w->shadow_rays += more->shadow_rays;
     w->plain_vertices += more->plain_vertices;
     w->other_vertices += more->other_vertices;
+    w->units += more->units;
 }
 
 struct film_samples film_samples_make(struct tile_rect rect, struct tile_pass pass,
@@ -139,7 +140,7 @@ static void merge_block(struct film *f, size_t at, const struct block *more, uin
     if (!is_doubling(spp))
         return;
     float *v = f->variance + at * BLOCK_DOUBLINGS;
-    const double n = (double)tile_rect_pixels(block_rect(f->window, at)) * spp;
+    const double n = (double)tile_rect_pixels(block_rect_of(f->window, at)) * spp;
     memmove(v, v + 1, (BLOCK_DOUBLINGS - 1) * sizeof *v);
     const double now = block_variance(b, n);
     v[BLOCK_DOUBLINGS - 1] = now < (double)FLT_MAX ? (float)now : FLT_MAX;

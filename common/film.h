@@ -45,6 +45,7 @@ struct film_work {
     uint64_t shadow_rays; /* rays of which any hit was */
     /* From which a path tried to go on: of the kind that lanes know (path8.h), of all others */
     uint64_t plain_vertices, other_vertices;
+    uint64_t units; /* of all these, at the scene's prices (common/trace/work.h): one number */
 };
 
 void film_work_add(struct film_work *, const struct film_work *more);

@@ -140,6 +140,17 @@ struct material_slot {
     float scale[3];   /* times the texture's value; of a float: scale[0] */
 };
 
+#define SCENE_NO_TEXTURE UINT32_MAX
+
+/* Shading normals from textures. */
+struct material_relief {
+    uint32_t normal_map; /* of scene.textures, an image of linear numbers; or SCENE_NO_TEXTURE */
+    float strength;      /* times its x and y */
+    uint32_t bump;       /* an image, or SCENE_NO_TEXTURE */
+    enum material_channel channel; /* of that */
+    float height;                  /* m, of the value 1 */
+};
+
 struct material {
     const char *name;
     enum material_kind kind;
@@ -147,6 +158,7 @@ struct material {
     struct inside inside;
     uint32_t slot_begin, slot_end; /* of scene.slots. The members they drive hold what the texture's
                                     * value 1 would make of them */
+    uint32_t relief; /* 1 + index into scene.reliefs; 0: none. A part of another one has none */
     union {
         struct {
             rgb albedo; /* [0, 1] */
@@ -276,6 +288,7 @@ struct mesh {
 enum mesh_normals {
     MESH_NORMALS_GIVEN, /* the mesh's own; a mesh without them is flat */
     MESH_NORMALS_FLAT,  /* its triangles' */
+    MESH_NORMALS_SMOOTH, /* made of its triangles': prep_smooth.c */
 };
 
 enum shape_kind { SHAPE_SPHERE, SHAPE_DISC, SHAPE_CYLINDER, SHAPE_QUAD, SHAPE_MESH };
@@ -385,8 +398,9 @@ struct scene {
     struct texture *textures;
     struct image_asset *images;
     struct material_slot *slots; /* of all materials */
+    struct material_relief *reliefs;
     uint32_t material_count, shape_count, mesh_count, light_count, texture_count, image_count;
-    uint32_t slot_count;
+    uint32_t slot_count, relief_count;
 };
 
 /* What is wrong with a document: all of it at once, in document order. */

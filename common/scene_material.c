@@ -3,6 +3,7 @@
 #include "common/scene_coat.h"
 #include "common/scene_param.h"
 #include "common/scene_read.h"
+#include "common/scene_relief.h"
 #include "common/scene_wrap.h"
 #include "common/scene_specular.h"
 
@@ -109,7 +110,9 @@ struct scene_names scene_read_materials(struct scene_doc *doc, const struct scen
         struct material *m = &scene->materials[i];
         m->name = scene_names_take(doc, &member, &names, i);
         const uint32_t slot_begin = scene->slot_count;
-        read_material(&(struct scene_params){doc, &member, scene, textures, m}, m);
+        const struct scene_params params = {doc, &member, scene, textures, m};
+        read_material(&params, m);
+        scene_relief_read(&params, m);
         m->slot_begin = slot_begin;
         m->slot_end = scene->slot_count;
     }

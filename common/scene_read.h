@@ -19,7 +19,8 @@ void scene_read_shapes(struct scene_doc *, const struct scene_at *, const struct
 void scene_read_filter(struct scene_doc *, const struct scene_at *, struct scene_film *);
 void scene_read_camera(struct scene_doc *, const struct scene_at *, struct scene_camera *);
 void scene_read_lights(struct scene_doc *, const struct scene_at *, struct scene *);
-void scene_read_mesh(struct scene_doc *, const struct scene_at *shape, struct mesh *);
+void scene_read_mesh(struct scene_doc *, const struct scene_at *shape, struct mesh *,
+                     enum mesh_normals *);
 
 /* The image that an object names by "file", or by "asset" and "format", which are among its keys;
  * `what` names it in messages: "an image texture". */

@@ -306,7 +306,7 @@ static void read_shape(struct scene_doc *doc, const struct scene_at *at,
         return;
     case SHAPE_MESH:
         s->mesh.mesh = scene->mesh_count++;
-        scene_read_mesh(doc, at, &scene->meshes[s->mesh.mesh]);
+        scene_read_mesh(doc, at, &scene->meshes[s->mesh.mesh], &s->mesh.normals);
         if (placed)
             check_mesh_world(doc, at, &scene->meshes[s->mesh.mesh], &x);
         return;

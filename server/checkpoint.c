@@ -21,7 +21,7 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "arrays are written as
 /* ---- the parts, in file order ---- */
 
 _Static_assert(sizeof(struct block) == 5 * 8 + BLOCK_TOP * 4, "no padding in blocks");
-_Static_assert(sizeof(struct film_work) == 5 * 8 && sizeof(struct film_dropped) == 2 * 4,
+_Static_assert(sizeof(struct film_work) == 6 * 8 && sizeof(struct film_dropped) == 2 * 4,
                "nor in these");
 
 static void head_write(const struct checkpoint *c, struct buf *out)

@@ -17,6 +17,7 @@
 #define SERVER_JOB_H
 
 #include "common/film.h"
+#include "server/convergence.h"
 #include "server/rate.h"
 #include "server/store.h"
 
@@ -63,6 +64,8 @@ struct job {
     uint64_t version;        /* changes whenever something visible does */
     int64_t running_from_ms; /* elapsed time since then is not in row.elapsed_ms; < 0: standing */
     struct rate rate;        /* merged samples */
+    struct convergence
+        convergence; /* of a job that is not over: others' points are in the store alone */
     uint32_t lease_count;
 
     bool unsaved; /* its row did not reach the disk */
@@ -106,6 +109,8 @@ void job_touch(struct job *); /* something visible has changed */
 
 /* Transitions; each asserts where it comes from. The caller saves the row. */
 void job_start(struct job *, int64_t now_ms, int64_t unix_ms); /* first lease */
+/* Done, and now to be queued for more. */
+void job_continue(struct job *, const struct scene_target *);
 void job_pause(struct job *, int64_t now_ms);
 void job_resume(struct job *, int64_t now_ms);
 void job_end(struct job *, enum job_state, int64_t now_ms, int64_t unix_ms); /* done, failed... */

@@ -128,6 +128,18 @@ void output_last(struct server *s, struct job *j)
     job_close(j);
 }
 
+/* A point of the curve is of the snapshot, not of what has come meanwhile. */
+static void note_point(struct server *s, struct job *j, const struct writer_task *t)
+{
+    struct store_job row = t->snapshot.row;
+    struct err err;
+    row.error = t->error;
+    if (t->parts & WRITER_FINAL)
+        row.state = JOB_DONE;
+    if (!convergence_note(&j->convergence, s->store, &row, &err))
+        log_error("curve job=%016llx %s", (unsigned long long)row.id, err.text);
+}
+
 static void note_image(struct job *j, const struct writer_task *t)
 {
     j->row.image_version++;
@@ -152,6 +164,7 @@ static bool finish(struct server *s, struct writer_task *t)
         return false;
     j->row.checkpoint = row.checkpoint;
     memcpy(j->row.digest, row.digest, sizeof j->row.digest);
+    note_point(s, j, t);
     note_image(j, t);
     server_job_end(s, j, JOB_DONE);
     return true;
@@ -171,11 +184,10 @@ static void try_again(struct server *s, struct writer_task *t)
 
 static void judge(struct server *s, struct job *j, const struct writer_task *t)
 {
-    const double error = t->error;
-    j->row.error = error;
+    j->row.error = t->error;
     j->row.report = t->snapshot.row.report;
     job_touch(j);
-    if (error >= 0 && error <= j->row.target.error)
+    if (t->enough)
         j->reached = true;
     else
         merge_next_round(j, s->now_ms);
@@ -197,6 +209,8 @@ static void note_parts(struct server *s, const struct writer_task *t)
         j->image_samples = t->snapshot.row.samples;
         j->next_image_ms = s->now_ms + max_i64(s->config->image_ms, rest_ms);
     }
+    if (t->parts & (WRITER_ERROR | WRITER_IMAGE))
+        note_point(s, j, t);
     if (t->parts & (WRITER_FILM | WRITER_IMAGE))
         server_job_save(s, j);
     if (t->parts & WRITER_ERROR && merge_wants_judge(j) && !s->stopping)

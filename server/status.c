@@ -25,6 +25,16 @@ static json_t *rect_json(struct tile_rect r)
 
 /* ---- how far, how fast, how long ---- */
 
+/* Samples until the error target, in all; 0: unknown, or there is none. */
+static struct forecast forecast_of(const struct job *j)
+{
+    struct forecast f = {0};
+    const double target = j->row.target.error;
+    if (!(target > 0) || job_is_over(j) || !convergence_forecast(&j->convergence, target, &f))
+        return (struct forecast){0};
+    return f;
+}
+
 static double progress_of(const struct job *j, int64_t now_ms)
 {
     const struct scene_target *t = &j->row.target;
@@ -35,9 +45,9 @@ static double progress_of(const struct job *j, int64_t now_ms)
         const double f = (double)job_elapsed_ms(j, now_ms) / 1000 / t->seconds;
         most = f > most ? f : most;
     }
-    if (t->error > 0 && j->row.error > 0) {
-        /* Errors fall with the root of the samples. */
-        const double f = t->error * t->error / (j->row.error * j->row.error);
+    const struct forecast fore = forecast_of(j);
+    if (fore.samples > 0) {
+        const double f = (double)j->row.samples / fore.samples;
         most = f > most ? f : most;
     }
     return most < 1 ? most : 1;
@@ -58,9 +68,9 @@ static double eta_of(const struct job *j, double speed, int64_t now_ms)
         return -1;
     const double merged = (double)j->row.samples;
     double least = ((double)j->pixels * t->spp - merged) / speed;
-    if (t->error > 0 && j->row.error > t->error) {
-        const double ratio = j->row.error / t->error;
-        const double eta = merged * (ratio * ratio - 1) / speed;
+    const struct forecast f = forecast_of(j);
+    if (f.samples > 0) {
+        const double eta = (f.samples - merged) / speed;
         least = eta < least ? eta : least;
     }
     if (t->seconds > 0) {
@@ -165,4 +175,42 @@ json_t *status_job(const struct server *s, const struct job *j)
                         json_pack("{s:I, s:o}", "version", (json_int_t)r->image_version, "digest",
                                   *r->digest ? json_string(r->digest) : json_null()));
     return root;
+}
+
+/* ---- the curve ---- */
+
+static json_t *point_json(const struct store_point *p)
+{
+    return json_pack("{s:I, s:I, s:f, s:f, s:f}", "samples", (json_int_t)p->samples, "spp",
+                     (json_int_t)p->spp, "seconds", (double)p->elapsed_ms / 1000, "cpu_seconds",
+                     (double)p->cpu_us / 1e6, "error", p->error);
+}
+
+static json_t *forecast_json(const struct server *s, const struct job *j)
+{
+    const struct forecast f = forecast_of(j);
+    if (!(f.samples > 0))
+        return json_null();
+    const double speed = j->row.state == JOB_RUNNING ? speed_of(j, s->now_ms) : 0;
+    const double bounds[] = {f.samples, f.low, f.high};
+    static const char *const names[] = {"", "_low", "_high"};
+    json_t *root = json_pack("{s:f}", "slope", f.slope);
+    for (size_t i = 0; i < countof(bounds); i++) {
+        char name[24];
+        const double left = bounds[i] - (double)j->row.samples;
+        snprintf(name, sizeof name, "samples%s", names[i]);
+        json_object_set_new(root, name, json_real(bounds[i]));
+        snprintf(name, sizeof name, "seconds_left%s", names[i]);
+        json_object_set_new(root, name, number_or_null(speed > 0, left > 0 ? left / speed : 0));
+    }
+    return root;
+}
+
+json_t *status_curve(const struct server *s, const struct job *j, const struct convergence *c)
+{
+    json_t *points = json_array();
+    for (size_t i = 0; i < c->count; i++)
+        json_array_append_new(points, point_json(&c->points[i]));
+    return json_pack("{s:I, s:o, s:o, s:o}", "pixels", (json_int_t)j->pixels, "points", points,
+                     "target", target_json(&j->row.target), "forecast", forecast_json(s, j));
 }

@@ -45,10 +45,11 @@ static json_t *share_json(double removed, double energy)
 
 static json_t *work_json(const struct film_work *w)
 {
-    return json_pack("{s:I, s:I, s:I, s:I, s:I}", "camera_rays", (json_int_t)w->camera_rays,
+    return json_pack("{s:I, s:I, s:I, s:I, s:I, s:I}", "camera_rays", (json_int_t)w->camera_rays,
                      "bounce_rays", (json_int_t)w->bounce_rays, "shadow_rays",
                      (json_int_t)w->shadow_rays, "plain_vertices", (json_int_t)w->plain_vertices,
-                     "other_vertices", (json_int_t)w->other_vertices);
+                     "other_vertices", (json_int_t)w->other_vertices, "units",
+                     (json_int_t)w->units);
 }
 
 json_t *status_report_invalid(const struct store_job *row)

@@ -29,6 +29,10 @@ static const char *const steps[] = {
     " reason TEXT NOT NULL, in_pass INTEGER NOT NULL, in_tile INTEGER NOT NULL,"
     " has_pass INTEGER NOT NULL) STRICT",
     "ALTER TABLE job ADD COLUMN layers INTEGER NOT NULL DEFAULT 0",
+    "CREATE TABLE point ("
+    " job INTEGER NOT NULL REFERENCES job(number), samples INTEGER NOT NULL, spp INTEGER NOT NULL,"
+    " elapsed_ms INTEGER NOT NULL, cpu_us INTEGER NOT NULL, error REAL NOT NULL,"
+    " PRIMARY KEY (job, samples)) STRICT, WITHOUT ROWID",
     /* Tiles are whole blocks from here on. */
     "ALTER TABLE job ADD COLUMN error_low REAL NOT NULL DEFAULT -1;"
     "ALTER TABLE job ADD COLUMN error_high REAL NOT NULL DEFAULT -1;"
@@ -42,8 +46,10 @@ static const char *const steps[] = {
     "ALTER TABLE job ADD COLUMN shadow_rays INTEGER NOT NULL DEFAULT 0;"
     "ALTER TABLE job ADD COLUMN plain_vertices INTEGER NOT NULL DEFAULT 0;"
     "ALTER TABLE job ADD COLUMN other_vertices INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN units INTEGER NOT NULL DEFAULT 0;"
     "ALTER TABLE job ADD COLUMN degenerate INTEGER NOT NULL DEFAULT 0;"
     "ALTER TABLE job ADD COLUMN nonfinite INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN stratified INTEGER NOT NULL DEFAULT 0;"
     "UPDATE job SET tile_px = (tile_px + 7) / 8 * 8",
 };
 
@@ -53,11 +59,11 @@ static const char *const steps[] = {
     "elapsed_ms, samples, passes, spp, error, cpu_us, granted, expired, returned, duplicates, "    \
     "invalid, image, digest, checkpoint, reason, in_pass, in_tile, has_pass, layers, "             \
     "error_low, error_high, unknown, heavy, energy, clamped, cut, camera_rays, bounce_rays, "      \
-    "shadow_rays, plain_vertices, other_vertices, degenerate, nonfinite, keys"
+    "shadow_rays, plain_vertices, other_vertices, units, degenerate, nonfinite, stratified, keys"
 #define MARKS                                                                                      \
     "?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, "  \
     "?21, ?22, ?23, ?24, ?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, ?33, ?34, ?35, ?36, ?37, ?38, "   \
-    "?39, ?40, ?41, ?42, ?43, ?44, ?45, ?46, ?47, ?48, ?49, ?50, ?51, ?52, ?53"
+    "?39, ?40, ?41, ?42, ?43, ?44, ?45, ?46, ?47, ?48, ?49, ?50, ?51, ?52, ?53, ?54, ?55"
 
 enum column_kind { COLUMN_INT, COLUMN_REAL, COLUMN_TEXT };
 
@@ -120,8 +126,10 @@ static const struct column {
     AT(COLUMN_INT, report.work.shadow_rays),
     AT(COLUMN_INT, report.work.plain_vertices),
     AT(COLUMN_INT, report.work.other_vertices),
+    AT(COLUMN_INT, report.work.units),
     AT(COLUMN_INT, report.dropped.degenerate),
     AT(COLUMN_INT, report.dropped.nonfinite),
+    AT(COLUMN_INT, stratified),
 #undef AT
 };
 
@@ -349,6 +357,62 @@ bool store_jobs(struct store *s, void (*each)(void *context, const struct store_
         if (ok)
             each(context, &job);
     }
+    sqlite3_finalize(q);
+    return ok;
+}
+
+/* ---- points ---- */
+
+bool store_point_add(struct store *s, uint64_t number, const struct store_point *p, struct err *err)
+{
+    sqlite3_stmt *forget = NULL, *q = NULL;
+    bool ok = run(s, "BEGIN IMMEDIATE", err);
+    if (!ok)
+        return false;
+    ok = prepare(s, "DELETE FROM point WHERE job = ?1 AND samples >= ?2", &forget, err) &&
+         prepare(s, "INSERT INTO point VALUES (?1, ?2, ?3, ?4, ?5, ?6)", &q, err);
+    if (ok) {
+        const int64_t numbers[] = {(int64_t)number, (int64_t)p->samples, p->spp, p->elapsed_ms,
+                                   (int64_t)p->cpu_us};
+        for (int i = 0; i < 2; i++)
+            sqlite3_bind_int64(forget, i + 1, numbers[i]);
+        for (int i = 0; i < 5; i++)
+            sqlite3_bind_int64(q, i + 1, numbers[i]);
+        sqlite3_bind_double(q, 6, p->error);
+        ok = (sqlite3_step(forget) == SQLITE_DONE && sqlite3_step(q) == SQLITE_DONE) ||
+             failed(s, err);
+    }
+    sqlite3_finalize(forget);
+    sqlite3_finalize(q);
+    if (ok && run(s, "COMMIT", err))
+        return true;
+    sqlite3_exec(s->db, "ROLLBACK", NULL, NULL, NULL);
+    return false;
+}
+
+bool store_points(struct store *s, uint64_t number,
+                  void (*each)(void *context, const struct store_point *), void *context,
+                  struct err *err)
+{
+    sqlite3_stmt *q = NULL;
+    if (!prepare(s,
+                 "SELECT samples, spp, elapsed_ms, cpu_us, error FROM point WHERE job = ?1 "
+                 "ORDER BY samples",
+                 &q, err))
+        return false;
+    sqlite3_bind_int64(q, 1, (int64_t)number);
+    int step;
+    while ((step = sqlite3_step(q)) == SQLITE_ROW) {
+        const struct store_point p = {
+            .samples = (uint64_t)sqlite3_column_int64(q, 0),
+            .spp = (uint32_t)sqlite3_column_int64(q, 1),
+            .elapsed_ms = sqlite3_column_int64(q, 2),
+            .cpu_us = (uint64_t)sqlite3_column_int64(q, 3),
+            .error = sqlite3_column_double(q, 4),
+        };
+        each(context, &p);
+    }
+    const bool ok = step == SQLITE_DONE || failed(s, err);
     sqlite3_finalize(q);
     return ok;
 }

@@ -1,4 +1,5 @@
-/* store.h - what survives a restart: one row per job, in SQLite (STATE/smalti.db).
+/* store.h - what survives a restart: one row per job and the points of its curve, in SQLite
+ * (STATE/smalti.db).
  *
  * Every call is one transaction, on disk when it returns (WAL, synchronous=FULL). Samples are not
  * here but in films (checkpoint.h); the film is written first and the row second, so a row
@@ -15,7 +16,7 @@
 #include "common/hash.h"
 #include "common/scene.h"
 
-/*      queued ----> running ----> done
+/*      queued ----> running ----> done ----> queued, for more
  *        |  ^         | ^  \
  *        v  |         v |   `---> failed      queued, running, paused ---> cancelled
  *       paused <----> paused
@@ -57,6 +58,7 @@ struct store_job {
     struct tile_rect crop;
     uint32_t layers;            /* of the film, layers.h */
     struct scene_target target; /* spp: the one settled on, once that is known */
+    bool stratified; /* its samples are made for target.spp as submitted: it cannot go on beyond */
     bool settled;               /* a job with a seconds target has decided where to stop */
     int64_t created_unix_ms, started_unix_ms, finished_unix_ms; /* 0: not yet */
     int64_t elapsed_ms;   /* running, from the first lease, up to the last time it was stored */
@@ -76,6 +78,14 @@ struct store_job {
     struct store_failure failure;
 };
 
+struct store_point {  /* of a job's curve (convergence.h) */
+    uint64_t samples; /* merged, over all pixels */
+    uint32_t spp;
+    int64_t elapsed_ms;
+    uint64_t cpu_us;
+    double error;
+};
+
 struct store; /* opaque */
 
 struct store *store_open(const char *path, struct err *); /* NULL: failed */
@@ -87,6 +97,13 @@ bool store_job_save(struct store *, const struct store_job *, struct err *) MUST
 /* Calls `each` for every job, oldest first. */
 bool store_jobs(struct store *, void (*each)(void *context, const struct store_job *),
                 void *context, struct err *) MUST_CHECK;
+
+/* The job's points from this one's samples on are replaced by it. */
+bool store_point_add(struct store *, uint64_t number, const struct store_point *,
+                     struct err *) MUST_CHECK;
+bool store_points(struct store *, uint64_t number,
+                  void (*each)(void *context, const struct store_point *), void *context,
+                  struct err *) MUST_CHECK; /* by samples, ascending */
 
 const char *store_state_name(enum job_state);
 

@@ -57,6 +57,10 @@ def renders(f, t):
             "render --json: one object and silence")
     odd = f.run("render", small, "-o", out, "--tile", "33", env=env)
     t.ok(odd.returncode == 2 and "--tile: expected a multiple of 8, got 33" in odd.stderr, "render --tile: whole blocks only", odd.stderr)
+    png = os.path.join(f.dir, "small.png")
+    done = f.run("render", small, "-o", out, "--spp", "8", "--quiet", "--png", png, env=env)
+    with open(png, "rb") as file:
+        t.ok(done.returncode == 0 and file.read(8) == b"\x89PNG\r\n\x1a\n", "render --png: a picture beside the image")
     done = f.run("render", small, "-o", out, "--error", "0.5", "--quiet", "--json", env=env)
     told = json.loads(done.stdout)
     t.ok(done.returncode == 0 and told["error"] <= .5 and told["target"]["error"] == .5,
@@ -213,6 +217,16 @@ def checks_scenes(f, t):
     t.equal(f.run("check", "scenes/cornell-box.json").returncode, 0, "check: status 0")
 
 
+def plans_scenes(f, t):
+    planned = f.run("plan", "scenes/cornell-box.json")
+    t.ok(planned.returncode == 0 and planned.stdout.startswith("method     path, mis: "), "plan: the method and why",
+         planned.stdout)
+    told = json.loads(f.run("plan", "scenes/cornell-box.json", "--error", "0.02", "--json").stdout)
+    t.equal((told["method"]["strategy"], told["error"], told["error_asked"]), ("mis", .02, True), "plan --error --json")
+    t.ok(told["forecast"]["low"] <= told["forecast"]["units"] <= told["forecast"]["high"], "with a forecast", told)
+    t.equal(f.run("plan", os.path.join(f.dir, "bad.json")).returncode, 3, "plan: no valid scene, status 3")
+
+
 def compares_images(f, t):
     a, b = (os.path.join(f.dir, name) for name in ("small.exr", "small.exr2"))
     f.run("render", os.path.join(f.dir, "small.json"), "-o", a, "--spp", "16", "--quiet")
@@ -228,7 +242,7 @@ def compares_images(f, t):
 
 
 def explains_itself(f, t):
-    for command in "render submit status watch fetch cancel check diff digest".split():
+    for command in "render submit status watch fetch cancel check plan diff digest".split():
         told = f.run(command, "--help")
         t.ok(told.returncode == 0 and told.stdout.startswith(f"Usage: smalti {command}") and
              "xit status" in told.stdout, f"{command} --help")
@@ -253,6 +267,7 @@ def test(f, t):
     works_with_a_coordinator(f, t)
     uploads_what_is_missing(f, t)
     checks_scenes(f, t)
+    plans_scenes(f, t)
     compares_images(f, t)
     explains_itself(f, t)
 

@@ -70,7 +70,8 @@ static struct store_job full_row(void)
     row.keys[0] = (struct film_key){1, 2, 3};
     row.keys[1] = (struct film_key){4, 5, 6};
     row.image_version = 11;
-    row.report = (struct store_report){.1, .2, .3, .4, .5, .6, .7, {1, 2, 3, 4, 5}, {6, 7}};
+    row.stratified = true;
+    row.report = (struct store_report){.1, .2, .3, .4, .5, .6, .7, {1, 2, 3, 4, 5, 6}, {6, 7}};
     hash_hex("x", 1, row.digest);
     row.checkpoint = 12;
     row.failure = (struct store_failure){.has_pass = true, .tile = 3, .pass = 2};
@@ -86,10 +87,10 @@ static bool rows_equal(const struct store_job *a, const struct store_job *b)
            !memcmp(&a->crop, &b->crop, sizeof a->crop) && a->layers == b->layers &&
            a->target.error == b->target.error && a->target.spp == b->target.spp &&
            a->target.seconds == b->target.seconds && a->settled == b->settled &&
-           a->created_unix_ms == b->created_unix_ms && a->started_unix_ms == b->started_unix_ms &&
-           a->finished_unix_ms == b->finished_unix_ms && a->elapsed_ms == b->elapsed_ms &&
-           a->samples == b->samples && a->passes_done == b->passes_done &&
-           a->spp_done == b->spp_done && a->error == b->error &&
+           a->stratified == b->stratified && a->created_unix_ms == b->created_unix_ms &&
+           a->started_unix_ms == b->started_unix_ms && a->finished_unix_ms == b->finished_unix_ms &&
+           a->elapsed_ms == b->elapsed_ms && a->samples == b->samples &&
+           a->passes_done == b->passes_done && a->spp_done == b->spp_done && a->error == b->error &&
            !memcmp(&a->report, &b->report, sizeof a->report) && a->cpu_us == b->cpu_us &&
            a->granted == b->granted && a->expired == b->expired && a->returned == b->returned &&
            a->duplicates == b->duplicates && a->invalid_count == b->invalid_count &&
@@ -137,24 +138,27 @@ static void former_version(void)
     store_close(s);
     sqlite3 *db = NULL;
     ok(sqlite3_open(path_of("v1.db"), &db) == SQLITE_OK &&
-           sqlite3_exec(db,
-                        "ALTER TABLE job DROP COLUMN error_low;"
-                        "ALTER TABLE job DROP COLUMN error_high;"
-                        "ALTER TABLE job DROP COLUMN unknown;"
-                        "ALTER TABLE job DROP COLUMN heavy;"
-                        "ALTER TABLE job DROP COLUMN energy;"
-                        "ALTER TABLE job DROP COLUMN clamped;"
-                        "ALTER TABLE job DROP COLUMN cut;"
-                        "ALTER TABLE job DROP COLUMN camera_rays;"
-                        "ALTER TABLE job DROP COLUMN bounce_rays;"
-                        "ALTER TABLE job DROP COLUMN shadow_rays;"
-                        "ALTER TABLE job DROP COLUMN plain_vertices;"
-                        "ALTER TABLE job DROP COLUMN other_vertices;"
-                        "ALTER TABLE job DROP COLUMN degenerate;"
-                        "ALTER TABLE job DROP COLUMN nonfinite;"
-                        "ALTER TABLE job DROP COLUMN layers; UPDATE job SET tile_px = 33; PRAGMA "
-                        "user_version = 1",
-                        NULL, NULL, NULL) == SQLITE_OK,
+           sqlite3_exec(
+               db,
+               "ALTER TABLE job DROP COLUMN error_low;"
+               "ALTER TABLE job DROP COLUMN error_high;"
+               "ALTER TABLE job DROP COLUMN unknown;"
+               "ALTER TABLE job DROP COLUMN heavy;"
+               "ALTER TABLE job DROP COLUMN energy;"
+               "ALTER TABLE job DROP COLUMN clamped;"
+               "ALTER TABLE job DROP COLUMN cut;"
+               "ALTER TABLE job DROP COLUMN camera_rays;"
+               "ALTER TABLE job DROP COLUMN bounce_rays;"
+               "ALTER TABLE job DROP COLUMN shadow_rays;"
+               "ALTER TABLE job DROP COLUMN plain_vertices;"
+               "ALTER TABLE job DROP COLUMN other_vertices;"
+               "ALTER TABLE job DROP COLUMN units;"
+               "ALTER TABLE job DROP COLUMN degenerate;"
+               "ALTER TABLE job DROP COLUMN nonfinite;"
+               "ALTER TABLE job DROP COLUMN stratified;"
+               "ALTER TABLE job DROP COLUMN layers; UPDATE job SET tile_px = 33; DROP TABLE point; "
+               "PRAGMA user_version = 1",
+               NULL, NULL, NULL) == SQLITE_OK,
        "it becomes one of version 1");
     sqlite3_close(db);
     struct seen seen = {.count = 0};
@@ -162,6 +166,7 @@ static void former_version(void)
     row.layers = 0;
     row.tile_px = 40;
     row.report = report_none();
+    row.stratified = false;
     ok(s && store_jobs(s, note, &seen, &err) && seen.count == 1 && rows_equal(&seen.jobs[0], &row),
        "and is read by this one %s", err.text);
     store_close(s);

@@ -30,7 +30,7 @@ static struct wire_samples message(struct arena *arena, bool flat, uint32_t laye
             block_add(b, flat ? .25f : (float)((i + k) * 2654435761u % 1024));
     }
     w.samples.dropped = (struct film_dropped){3, 4};
-    w.samples.work = (struct film_work){1, 2, 3, 4, (uint64_t)5 << 32};
+    w.samples.work = (struct film_work){1, 2, 3, 4, 5, (uint64_t)6 << 32};
     film_samples_add_layers(&w.samples, layers, arena);
     for (uint32_t i = 0; i < tile_rect_pixels(r) * layers_channels(layers); i++)
         w.samples.layer_sums[i] = (float)i - 100;
@@ -153,6 +153,9 @@ static void refuses_blocks(struct arena *arena)
     struct block b = fine;
     b.sum = -1;
     refuses_block("a block's negative sum", good, &b);
+    b = fine;
+    b.sum = 0x1p+201;
+    refuses_block("a sum that no samples have", good, &b);
     b = fine;
     b.square = NAN;
     refuses_block("a block's sum of squares that is no number", good, &b);

@@ -375,9 +375,10 @@ function jobView(id) {
             order(cancel, { method: "DELETE" });
     };
     return {
-        paths: [path, "/v1/workers"],
-        show([job, { workers }]) {
+        paths: [path, "/v1/workers", `${path}/convergence`],
+        show([job, { workers }, curve]) {
             showJob(root, job);
+            showCurve($(".convergence", root), curve);
             showFarm($(".farm", root), workers);
             summary(workers);
             if (state !== null && state !== job.state)

@@ -10,6 +10,7 @@
 #include "common/trace/probe.h"
 #include "common/trace/sampler.h"
 #include "common/trace/wave.h"
+#include "common/trace/work.h"
 
 /* A sample above this is taken for an error. SCENE_MAX_SPP = 2^24 samples below it, weighed by 16/9
  * at most, add up to less than 2^127, so that no sum leaves the range of float. */
@@ -314,6 +315,7 @@ void render_row(const struct stage *s, struct film_samples *out, uint32_t y_px)
     for (uint32_t x = rect.x_begin; x < rect.x_end; x++)
         row_pixel(&r, x);
     row_flush(&r);
+    r.wave.work.units = work_units(s, &r.wave.work);
     film_work_add(&out->work, &r.wave.work);
     out->dropped = (struct film_dropped){s->dropped_degenerate, s->dropped_nonfinite};
 }

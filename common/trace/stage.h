@@ -285,6 +285,11 @@ struct stage_bodies {
     uint32_t material[STAGE_BODIES];
 };
 
+/* What is counted (struct film_work) in units of work, each (work.h). */
+struct stage_prices {
+    uint32_t camera_ray, bounce_ray, shadow_ray, plain_vertex, other_vertex;
+};
+
 struct stage {
     char magic[8];         /* STAGE_MAGIC */
     uint32_t version;      /* STAGE_VERSION */
@@ -310,6 +315,7 @@ struct stage {
     uint32_t media;             /* what the scene uses of medium.h */
     struct stage_bodies around; /* the camera, when media is not 0 */
     float cone_width, cone_spread; /* of camera rays (cone.h), when there are pyramids */
+    struct stage_prices prices;
 
     /* Only spans from here to the end: stage_check knows them by their place. */
     struct stage_span shapes; /* struct stage_shape, and one more, whose prim_begin is prim_count */
@@ -333,6 +339,7 @@ struct stage {
     struct stage_span uvs;       /* struct stage_uv */
     struct stage_span colors;    /* struct stage_color */
     struct stage_span slots;     /* struct material_slot */
+    struct stage_span reliefs;   /* struct material_relief */
     struct stage_span textures;  /* struct stage_texture */
     struct stage_span pyramids;  /* struct stage_pyramid */
     struct stage_span bytes8;    /* struct stage_bytes, one if anything is kept in bytes */

@@ -57,6 +57,7 @@ struct wave {
     uint32_t going; /* lanes with a path that has a vertex to go on from */
     uint32_t plain; /* where the path is: in lanes, or in paths */
     struct path8 lanes;
+    struct path8_vertex vertices[2]; /* one is where the lanes are, the other for the next */
     struct path paths[WAVE_LANES];
     struct path_media media[WAVE_LANES];  /* of paths in a scene with media */
     uint32_t number[WAVE_LANES];          /* the path's */
@@ -70,7 +71,6 @@ struct wave {
      */
     struct sobol8_bits lamp;
     struct path8_draw draw;
-    f32x8 lobe;
 
     struct ray rays[WAVE_LANES], shadows[WAVE_LANES];
 };
