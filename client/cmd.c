@@ -62,11 +62,12 @@ bool cmd_check_id(const char *text)
     return false;
 }
 
-int cmd_follow(struct remote *remote, const char *id, bool json)
+int cmd_follow(struct remote *remote, const char *id, bool json, bool curve)
 {
     struct err err;
     struct progress progress = progress_make(stderr, json);
-    struct watch watch = {.remote = remote, .id = id, .progress = &progress, .json = json};
+    struct watch watch = {
+        .remote = remote, .id = id, .progress = &progress, .json = json, .curve = curve};
     switch (watch_run(&watch, &err)) {
     case WATCH_RUNNING:
     case WATCH_OVER:
@@ -77,6 +78,15 @@ int cmd_follow(struct remote *remote, const char *id, bool json)
         return cmd_fail(&err);
     }
     __builtin_unreachable();
+}
+
+bool cmd_can_trace(int *status)
+{
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+        return true;
+    fprintf(stderr, "smalti: this CPU lacks AVX2 and FMA, which tracing is built for\n");
+    *status = CMD_SYSTEM;
+    return false;
 }
 
 int cmd_fail(const struct err *err)

@@ -84,6 +84,12 @@ static bool parse(struct render *r, int argc, char *const *args, int *status)
     r->plan.workers = 1;
     if (!cmd_parse(&spec, argc, args, &r->scene_file, &operands, status))
         return false;
+    if (plan->tile_px && !tile_px_is_sane(plan->tile_px)) {
+        fprintf(stderr, "smalti render: --tile: expected a multiple of %d, got %u\n", TILE_STEP_PX,
+                plan->tile_px);
+        *status = CMD_USAGE;
+        return false;
+    }
     if (!r->plan.threads)
         r->plan.threads = max_u32(local_cores() / r->plan.workers, 1);
     choose_output(r);

@@ -169,6 +169,7 @@ struct material {
         struct {
             float ior;   /* inside / outside, [1, 4]; inside is where the normal does not point */
             float alpha; /* GGX width, [0, 1]; 0 is smooth */
+            bool multiscatter; /* light that meets several facets is added */
         } dielectric;
         struct {
             rgb eta, k;  /* complex index of refraction per channel, eta > 0, k >= 0 */
@@ -382,6 +383,7 @@ struct scene_settings {
     enum strategy_kind strategy;
     enum sampler_kind sampler;
     uint32_t max_bounces; /* scattering events per path; 0 shows emission alone. Default 64 */
+    float clamp;          /* no sample's largest component is above it: that is scaled down. 0: off */
     uint64_t seed;        /* default 0; [0, 2^53 - 1]: JSON carries it exactly */
     struct scene_target target;
 };

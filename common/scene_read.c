@@ -129,21 +129,24 @@ static void read_method(struct scene_doc *doc, const struct scene_at *at,
 static void read_settings(struct scene_doc *doc, const struct scene_at *at,
                           struct scene_settings *out)
 {
-    static const struct scene_key keys[] = {{"integrator", false}, {"strategy", false},
-                                            {"sampler", false},    {"max_bounces", false},
-                                            {"seed", false},       {"target", false}};
+    static const struct scene_key keys[] = {
+        {"integrator", false}, {"strategy", false}, {"sampler", false}, {"max_bounces", false},
+        {"clamp", false},      {"seed", false},     {"target", false}};
     struct scene_at member;
     uint64_t bounces = out->max_bounces;
+    double clamp = 0;
     scene_doc_object(doc, at, "the settings", keys, countof(keys));
     read_method(doc, at, out);
     scene_key_integer(doc, at, "max_bounces", (struct scene_range){0, SCENE_MAX_BOUNCES, true},
                       &bounces);
+    scene_key_number(doc, at, "clamp", (struct scene_range){1e-9, 1e30, false}, &clamp);
     /* To 2^53 - 1: beyond, two whole numbers may read as one. */
     scene_key_integer(doc, at, "seed", (struct scene_range){0, 9007199254740991., false},
                       &out->seed);
     if (scene_at_member(at, "target", &member))
         read_target(doc, &member, &out->target);
     out->max_bounces = (uint32_t)bounces;
+    out->clamp = (float)clamp;
 }
 
 static void read_version(struct scene_doc *doc, const struct scene_at *whole)

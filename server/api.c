@@ -21,6 +21,7 @@ enum { SMALL = 4096 };
 const struct route api_routes[] = {
     {ROUTE_GET, "/", api_static, 0, NULL, NULL, 0},
     {ROUTE_GET, "/app.js", api_static, 0, NULL, NULL, 0},
+    {ROUTE_GET, "/curve.js", api_static, 0, NULL, NULL, 0},
     {ROUTE_GET, "/style.css", api_static, 0, NULL, NULL, 0},
     {ROUTE_GET, "/v1/schema/scene.json", api_static, 0, NULL, NULL, 0},
     {ROUTE_GET, "/healthz", api_health, 0, NULL, NULL, 0},
@@ -33,6 +34,7 @@ const struct route api_routes[] = {
     {ROUTE_GET, "/v1/jobs/*/document", api_job_document, 0, NULL, NULL, 0},
     {ROUTE_GET, "/v1/jobs/*/image.exr", api_job_exr, 0, NULL, NULL, 0},
     {ROUTE_GET, "/v1/jobs/*/preview.png", api_job_png, 0, NULL, NULL, 0},
+    {ROUTE_GET, "/v1/jobs/*/convergence", api_job_curve, 0, NULL, NULL, 0},
     {ROUTE_PUT, "/v1/assets/*", api_asset_put, most_asset, BINARY, NULL, ROUTE_SPOOL},
     {ROUTE_GET, "/v1/assets/*", api_asset_get, 0, NULL, NULL, 0},
     {ROUTE_POST, "/v1/leases", feed_lease, SMALL, JSON, NULL, 0},

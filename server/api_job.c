@@ -11,19 +11,27 @@
 #include "common/clock.h"
 #include "server/body.h"
 #include "server/problem.h"
+#include "server/report.h"
 #include "server/server.h"
 #include "server/status.h"
 
 enum { MAX_PRIORITY = 100, MAX_LIST = 200, LIST = 50 };
 
+/* True: the reader knows it as it is. */
+static bool is_known(const struct server *s, const struct request *rq, struct reply *re,
+                     const struct job *j)
+{
+    re->etag = arena_printf(rq->arena, "\"%08x-%llu\"", s->nonce, (unsigned long long)j->version);
+    if (rq->route->method != ROUTE_GET || !route_etag_matches(rq->if_none_match, re->etag))
+        return false;
+    re->status = 304;
+    return true;
+}
+
 static void reply_job(const struct server *s, const struct request *rq, struct reply *re,
                       int status, const struct job *j)
 {
-    re->etag = arena_printf(rq->arena, "\"%08x-%llu\"", s->nonce, (unsigned long long)j->version);
-    if (status == 200 && rq->route->method == ROUTE_GET &&
-        route_etag_matches(rq->if_none_match, re->etag))
-        re->status = 304;
-    else
+    if (!is_known(s, rq, re, j))
         body_reply(rq, re, status, status_job(s, j));
 }
 
@@ -94,6 +102,7 @@ static struct store_job row_of(const struct server *s, const struct scene *scene
         .target = scene->settings.target,
         .created_unix_ms = clock_unix_ms(),
         .error = -1,
+        .report = report_none(),
     };
     do
         server_random(&row.id, sizeof row.id);
@@ -193,6 +202,22 @@ void api_job_get(struct server *s, const struct request *rq, struct reply *re)
     const struct job *j = job_of_id(s, rq, re, rq->part[0]);
     if (j)
         reply_job(s, rq, re, 200, j);
+}
+
+void api_job_curve(struct server *s, const struct request *rq, struct reply *re)
+{
+    const struct job *j = job_of_id(s, rq, re, rq->part[0]);
+    struct convergence stored = {0};
+    struct err err;
+    if (!j || is_known(s, rq, re, j))
+        return;
+    if (job_is_over(j) && !convergence_load(&stored, s->store, j->row.number, &err)) {
+        log_error("curve job=%016llx %s", (unsigned long long)j->row.id, err.text);
+        problem_from_err(rq, re, &err);
+        return;
+    }
+    body_reply(rq, re, 200, status_curve(s, j, job_is_over(j) ? &stored : &j->convergence));
+    convergence_release(&stored);
 }
 
 void api_job_document(struct server *s, const struct request *rq, struct reply *re)

@@ -20,6 +20,7 @@ struct job *job_new(const struct store_job *row)
 void job_free(struct job *j)
 {
     job_close(j);
+    convergence_release(&j->convergence);
     free(j);
 }
 

@@ -17,6 +17,7 @@
 #define SERVER_JOB_H
 
 #include "common/film.h"
+#include "server/convergence.h"
 #include "server/rate.h"
 #include "server/store.h"
 
@@ -32,8 +33,8 @@ enum slot_state { SLOT_READY, SLOT_LEASED, SLOT_HELD, SLOT_SHUNNED };
 
 struct job_held { /* a payload that came early */
     uint64_t cpu_us;
-    struct film_samples samples; /* samples.sums is `sums`, layer_sums what follows */
-    float sums[];
+    struct film_samples samples; /* its arrays: `blocks`, then sums, then layer_sums */
+    struct block blocks[];
 };
 
 struct job_slot {
@@ -63,6 +64,8 @@ struct job {
     uint64_t version;        /* changes whenever something visible does */
     int64_t running_from_ms; /* elapsed time since then is not in row.elapsed_ms; < 0: standing */
     struct rate rate;        /* merged samples */
+    struct convergence
+        convergence; /* of a job that is not over: others' points are in the store alone */
     uint32_t lease_count;
 
     bool unsaved; /* its row did not reach the disk */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "server/server.h"
+#include "server/report.h"
 
 #include <assert.h>
 #include <fcntl.h>
@@ -114,6 +115,7 @@ void server_job_end(struct server *s, struct job *j, enum job_state state)
     if (j->lease_count)
         leases_of_job_end(s, j);
     sched_remove(&s->sched, j);
+    convergence_release(&j->convergence);
     if (j->open)
         s->film_bytes -= job_film_bytes(j);
     if (state == JOB_DONE)
@@ -137,6 +139,7 @@ static void counters_reset(struct store_job *row)
     row->samples = row->passes_done = row->cpu_us = row->invalid_count = 0;
     row->spp_done = row->key_count = 0;
     row->error = -1;
+    row->report = report_none();
 }
 
 static void film_load(struct server *s, struct job *j)
@@ -191,9 +194,19 @@ static void recover_row(void *context, const struct store_job *row)
         job_resume(j, s->now_ms);
 }
 
+static bool recover_curves(struct server *s, struct err *err)
+{
+    for (size_t i = 0; i < s->sched.count; i++) {
+        struct job *j = s->sched.jobs[i];
+        if (!convergence_load(&j->convergence, s->store, j->row.number, err))
+            return false;
+    }
+    return true;
+}
+
 static bool recover(struct server *s, struct err *err)
 {
-    if (!store_jobs(s->store, recover_row, s, err))
+    if (!store_jobs(s->store, recover_row, s, err) || !recover_curves(s, err))
         return false;
     for (size_t i = 0; i < s->sched.count; i++) {
         struct job *j = s->sched.jobs[i];

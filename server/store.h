@@ -1,4 +1,5 @@
-/* store.h - what survives a restart: one row per job, in SQLite (STATE/smalti.db).
+/* store.h - what survives a restart: one row per job and the points of its curve, in SQLite
+ * (STATE/smalti.db).
  *
  * Every call is one transaction, on disk when it returns (WAL, synchronous=FULL). Samples are not
  * here but in films (checkpoint.h); the film is written first and the row second, so a row
@@ -37,6 +38,15 @@ struct store_failure {
     uint32_t tile, pass;
 };
 
+struct store_report {             /* report.h; of the film that the error is of */
+    double error_low, error_high; /* 95 % interval of the error; < 0: unknown */
+    double unknown, heavy; /* shares of pixels without trusted bars (evidence.h); < 0: unknown */
+    double energy;         /* mean luminance of the image */
+    double clamped, cut;   /* what settings.clamp and max_bounces have taken from that */
+    struct film_work work;
+    struct film_dropped dropped;
+};
+
 struct store_job {
     uint64_t id;     /* never 0 */
     uint64_t number; /* in order of submission, from 1; given by store_job_add */
@@ -46,7 +56,7 @@ struct store_job {
     int32_t priority;
     uint32_t width_px, height_px, tile_px;
     struct tile_rect crop;
-    uint32_t layers; /* of the film, layers.h */
+    uint32_t layers;            /* of the film, layers.h */
     struct scene_target target; /* spp: the one settled on, once that is known */
     bool settled;               /* a job with a seconds target has decided where to stop */
     int64_t created_unix_ms, started_unix_ms, finished_unix_ms; /* 0: not yet */
@@ -55,6 +65,7 @@ struct store_job {
     uint64_t passes_done; /* merged, over all tiles */
     uint32_t spp_done;    /* every pixel has at least these */
     double error;         /* < 0: unknown */
+    struct store_report report;
     uint64_t cpu_us;
     uint64_t granted, expired, returned, duplicates; /* leases; results that came twice */
     uint64_t invalid_count;
@@ -64,6 +75,15 @@ struct store_job {
     char digest[HASH_HEX];  /* of the finished image; "" before */
     uint64_t checkpoint;    /* generation of the film on disk; 0: none */
     struct store_failure failure;
+};
+
+struct store_point {  /* of a job's curve (convergence.h) */
+    uint64_t samples; /* merged, over all pixels */
+    uint32_t spp;
+    int64_t elapsed_ms;
+    uint64_t cpu_us;
+    uint64_t units;                      /* of work (common/film.h) */
+    double error, error_low, error_high; /* the ends of its 95 % interval; < 0: unknown */
 };
 
 struct store; /* opaque */
@@ -77,6 +97,13 @@ bool store_job_save(struct store *, const struct store_job *, struct err *) MUST
 /* Calls `each` for every job, oldest first. */
 bool store_jobs(struct store *, void (*each)(void *context, const struct store_job *),
                 void *context, struct err *) MUST_CHECK;
+
+/* The job's points from this one's samples on are replaced by it. */
+bool store_point_add(struct store *, uint64_t number, const struct store_point *,
+                     struct err *) MUST_CHECK;
+bool store_points(struct store *, uint64_t number,
+                  void (*each)(void *context, const struct store_point *), void *context,
+                  struct err *) MUST_CHECK; /* by samples, ascending */
 
 const char *store_state_name(enum job_state);
 

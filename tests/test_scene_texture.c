@@ -79,6 +79,17 @@ static void drives_parameters(void)
        "in the material stands what white would make of it");
 }
 
+/* 1 and 1 are as much as textures may say; where they are looked at they are scaled (textured.h). */
+static void takes_leaves(void)
+{
+    ok(parse("\"bark\": {\"type\": \"checker\", \"colors\": [0, 1]}",
+             "\"a\": {\"type\": \"leaf\", \"reflectance\": {\"texture\": \"bark\"}, "
+             "\"transmittance\": {\"texture\": \"bark\"}}, "
+             "\"b\": {\"type\": \"leaf\", \"reflectance\": 0.5, "
+             "\"transmittance\": {\"texture\": \"bark\"}}"),
+       "what a leaf reflects and lets through is not added up where a texture drives it");
+}
+
 static void reads_reliefs(void)
 {
     ok(parse("\"n\": {\"type\": \"image\", \"file\": \"n.png\", \"color_space\": \"linear\"}, "
@@ -104,6 +115,7 @@ int main(void)
 {
     reads_images();
     drives_parameters();
+    takes_leaves();
     reads_reliefs();
     arena_release(&arena);
     return tap_done();

@@ -8,6 +8,7 @@
 #include "common/trace/light8.h"
 #include "common/trace/medium.h"
 #include "common/trace/prep_plan.h"
+#include "common/trace/work.h"
 
 /* A panorama looks everywhere: its depth is the distance. */
 static void set_view(struct stage_view *view, const struct scene_camera *c)
@@ -247,6 +248,8 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
             light8_lamps((const struct stage *)(const void *)block,
                          (struct stage_lamps *)(void *)(block + p.head.lamps.offset));
         surround_camera((struct stage *)(void *)block);
+        ((struct stage *)(void *)block)->prices =
+            work_prices((const struct stage *)(const void *)block);
         *stage = (const struct stage *)(const void *)block;
     }
     for (uint32_t i = 0; i < p.tree_count; i++)

@@ -209,7 +209,8 @@ struct stage_map_row {
     float edge, width;   /* s = (1 - cos) / 2 of the angle from the nearer pole: at the row's edge that
                           * is nearer to it, and how much more at the other */
     float solid_angle;   /* of one of its pixels */
-    uint32_t begin;      /* its part of [0, 2^32) begins here and ends where the next one's does */
+    uint32_t begin;      /* its part of [0, 2^32) begins here and ends where the next one's does;
+                          * UINT32_MAX: at the end, it is empty */
 };
 
 struct stage_map_pixel {
@@ -286,6 +287,11 @@ struct stage_bodies {
     uint32_t material[STAGE_BODIES];
 };
 
+/* What is counted (struct film_work) in units of work, each (work.h). */
+struct stage_prices {
+    uint32_t camera_ray, bounce_ray, shadow_ray, plain_vertex, other_vertex;
+};
+
 struct stage {
     char magic[8];         /* STAGE_MAGIC */
     uint32_t version;      /* STAGE_VERSION */
@@ -312,6 +318,7 @@ struct stage {
     uint32_t media;             /* what the scene uses of medium.h */
     struct stage_bodies around; /* the camera, when media is not 0 */
     float cone_width, cone_spread; /* of camera rays (cone.h), when there are pyramids */
+    struct stage_prices prices;
 
     /* Only spans from here to the end: stage_check knows them by their place. */
     struct stage_span shapes; /* struct stage_shape, and one more, whose prim_begin is prim_count */
