@@ -186,7 +186,7 @@ bench-cycles: all $(B)/tool_local
 	BIN=$(B) python3 bench/bench_cycles.py
 CHARTS ?= cornell-box glass-and-metal many-lights materials
 charts: $(B)/smalti # what docs/charts.md shows
-	@for s in $(CHARTS); do $(B)/smalti chart scenes/$$s.json -o docs/charts --size 20 --spp 1024 $(ARGS) || exit 1; done
+	@for s in $(CHARTS); do $(B)/smalti chart scenes/$$s.json -o docs/charts --size 16 --spp 512 $(ARGS) || exit 1; done
 
 fuzz:
 	$(MAKE) MODE=fuzz CC=clang fuzz-run

@@ -197,9 +197,14 @@ static void draw_planned(struct buf *b, const struct chart *c, const struct char
     if (c->planned < 0)
         return;
     const struct chart_line *line = &c->lines[c->planned];
-    const uint32_t last = c->point_count - 1;
-    svg_mark(b, SVG_STAR, chart_axes_x(a, line->curve.work[last]),
-             chart_axes_y(a, line->points[last].error.at), (uint32_t)c->planned, SVG_FULL);
+    double work = line->curve.work[c->point_count - 1];
+    double error = line->points[c->point_count - 1].error.at;
+    if (c->best_target >= 0 && !isnan(line->work_to[c->best_target].at)) {
+        work = line->work_to[c->best_target].at;
+        error = chart_targets[c->best_target] * chart_targets[c->best_target];
+    }
+    svg_mark(b, SVG_STAR, chart_axes_x(a, work), chart_axes_y(a, error), (uint32_t)c->planned,
+             SVG_HOLLOW);
 }
 
 /* --- names at the lines' ends --- */
@@ -308,7 +313,7 @@ static int hard_target(const struct chart *c)
     return c->best_target > 0 ? c->best_target : 1;
 }
 
-static const double columns[] = {74, 226, 314, 436, 558, 690, 838};
+static const double columns[] = {74, 226, 310, 426, 542, 702, 838};
 
 static void draw_head(struct buf *b, const struct chart *c, double y)
 {
@@ -360,9 +365,10 @@ static void draw_key(struct buf *b, const struct chart *c, double y)
         "Dotted, beside a line: the error without one pixel in a thousand.",
         "Yellow: the frontier, no point is better in both. Diagonals: equal efficiency. "
         "Efficiency: the first method's error at equal work over the method's.",
-        c->planned >= 0 ? "Red cross: least work to the hardest target reached. Star: the "
-                          "planner's choice."
-                        : "Red cross: least work to the hardest target reached.",
+        c->best < 0      ? "Star: the planner's choice."
+        : c->planned < 0 ? "Red cross: least work to the hardest target that is reached."
+                         : "Red cross: least work to the hardest target that is reached. Star: the "
+                           "planner's choice for it.",
     };
     for (size_t i = 0; i < countof(lines) - (c->best < 0 && c->planned < 0); i++)
         svg_text(b, columns[0] - 16, y + 15 * (double)i, "start", "font-size='11' fill='#444'",
@@ -389,8 +395,8 @@ void chart_draw(const struct chart *c, struct buf *svg)
     }
     for (uint32_t i = c->line_count; i-- > 0;)
         draw_points(svg, &c->lines[i], i, &a);
-    draw_best(svg, c, &a);
     draw_planned(svg, c, &a);
+    draw_best(svg, c, &a);
     chart_axes_unclip(svg);
     chart_axes_frame(svg, &a);
     draw_seconds(svg, c, &a);

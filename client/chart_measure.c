@@ -4,7 +4,9 @@
 #include <string.h>
 
 #include "client/chart.h"
+#include "common/plan.h"
 #include "common/trace/prep.h"
+#include "common/trace/study.h"
 
 static const struct chart_method methods[] = {
     {"path-mis", INTEGRATOR_PATH, STRATEGY_MIS, SAMPLER_SOBOL},
@@ -257,6 +259,27 @@ static void fill_table(struct chart *c)
         }
 }
 
+/* What "auto" would take for the hardest target that some method reaches. */
+static bool ask_planner(struct chart *c, const struct scene *scene, struct err *err)
+{
+    struct arena arena = {0};
+    struct scene s = *scene;
+    struct plan plan;
+    const struct stage *stage;
+    s.settings.target = (struct scene_target){
+        .error = chart_targets[c->best_target < 0 ? 0 : c->best_target], .spp = SCENE_MAX_SPP};
+    const bool good = chart_prepare(&s, c->lines[0].method, &stage, &arena, err);
+    if (good && study_make(stage, NULL, &arena, &plan)) {
+        const struct plan_method m = plan_method_of(&plan, plan.chosen);
+        for (uint32_t i = c->line_count; i-- > 0;)
+            if (methods[i].integrator == m.integrator && methods[i].strategy == m.strategy &&
+                methods[i].sampler == SAMPLER_SOBOL)
+                c->planned = (int32_t)i;
+    }
+    arena_release(&arena);
+    return good;
+}
+
 /* Noise in some pixel, of the reference's at least: else there is nothing to chart. */
 static bool is_noisy(const struct chart *c, struct err *err)
 {
@@ -291,5 +314,5 @@ bool chart_measure(struct chart *c, const struct scene *scene, const struct char
     c->unit_ns[1] = quantile(rates, 0.5);
     c->unit_ns[2] = quantile(rates, 0.95);
     fill_table(c);
-    return is_noisy(c, err);
+    return is_noisy(c, err) && ask_planner(c, &small, err);
 }

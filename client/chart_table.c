@@ -41,6 +41,11 @@ static void row(struct buf *b, const struct chart *c, const struct chart_line *l
              c->planned >= 0 && &c->lines[c->planned] == line);
 }
 
+/* Columns between relmse and energy, and after that. */
+enum { BEFORE_ENERGY = 16, AFTER_ENERGY = 4 + CHART_TARGETS };
+
+static const char commas[] = ",,,,,,,,,,,,,,,,,,,,";
+
 void chart_table(const struct chart *c, struct buf *csv)
 {
     buf_text(csv, "method,spp,runs,work_units,seconds,relmse,relmse_low,relmse_high,relmse_99_9,"
@@ -53,11 +58,12 @@ void chart_table(const struct chart *c, struct buf *csv)
     for (uint32_t i = 0; i < c->line_count; i++)
         for (uint32_t p = 0; p < c->point_count; p++)
             row(csv, c, &c->lines[i], p);
-    buf_text(csv, "\"reference: %s and %s\",%u,%u,,,%.9g,,,,,,,,,,,,,,,,,",
-             c->reference.methods[0]->name, c->reference.methods[1]->name, c->reference.spp,
-             (unsigned)CHART_REFERENCE_RUNS, c->reference.noise);
+    buf_text(csv, "\"reference: %s and %s\",%u,%u,,", c->reference.methods[0]->name,
+             c->reference.methods[1]->name, c->reference.spp, (unsigned)CHART_REFERENCE_RUNS);
+    cell(csv, c->reference.noise);
+    buf_text(csv, "%.*s", BEFORE_ENERGY, commas);
     cell(csv, c->reference.off);
-    buf_text(csv, ",,,,,,,,\n");
+    buf_text(csv, "%.*s\n", AFTER_ENERGY, commas);
 }
 
 void chart_table_price(const struct chart *c, struct buf *csv)

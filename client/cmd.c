@@ -106,6 +106,13 @@ int cmd_fail(const struct err *err)
     __builtin_unreachable();
 }
 
+void cmd_warn_scene(const char *file, const struct scene *scene)
+{
+    for (uint32_t i = 0; i < scene->warning_count; i++)
+        fprintf(stderr, "warning: %s: %s: %s\n", file, scene->warnings[i].where,
+                scene->warnings[i].what);
+}
+
 int cmd_fail_scene(const char *file, const struct scene_errors *errors)
 {
     for (size_t i = 0; i < errors->count; i++) {

@@ -58,6 +58,9 @@ int cmd_follow(struct remote *, const char *id, bool json, bool curve);
 /* "smalti: TEXT" on stderr; returns the status that fits the code. */
 int cmd_fail(const struct err *);
 
+/* "warning: FILE: POINTER: TEXT", one line each, on stderr. */
+void cmd_warn_scene(const char *file, const struct scene *);
+
 /* "FILE: POINTER: TEXT", one line each, on stderr; returns CMD_INPUT. */
 int cmd_fail_scene(const char *file, const struct scene_errors *);
 

@@ -388,6 +388,13 @@ struct scene_settings {
     struct scene_target target;
 };
 
+/* What reading has changed, since `settings.rescale` allows it. */
+struct scene_warning {
+    const char *where;        /* JSON pointer */
+    const char *what;         /* with both values */
+    float was[3], became[3];  /* a colour */
+};
+
 struct scene {
     const char *title; /* "" when absent */
     struct scene_film film;
@@ -403,6 +410,8 @@ struct scene {
     struct material_relief *reliefs;
     uint32_t material_count, shape_count, mesh_count, light_count, texture_count, image_count;
     uint32_t slot_count, relief_count;
+    struct scene_warning *warnings; /* for people */
+    uint32_t warning_count;
 };
 
 /* What is wrong with a document: all of it at once, in document order. */

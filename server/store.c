@@ -53,6 +53,7 @@ static const char *const steps[] = {
     "ALTER TABLE point ADD COLUMN error_low REAL NOT NULL DEFAULT -1;"
     "ALTER TABLE point ADD COLUMN error_high REAL NOT NULL DEFAULT -1;"
     "ALTER TABLE point ADD COLUMN units INTEGER NOT NULL DEFAULT 0",
+    "ALTER TABLE job ADD COLUMN warnings TEXT NOT NULL DEFAULT ''",
 };
 
 #define NAMES                                                                                      \
@@ -61,11 +62,12 @@ static const char *const steps[] = {
     "elapsed_ms, samples, passes, spp, error, cpu_us, granted, expired, returned, duplicates, "    \
     "invalid, image, digest, checkpoint, reason, in_pass, in_tile, has_pass, layers, "             \
     "error_low, error_high, unknown, heavy, energy, clamped, cut, camera_rays, bounce_rays, "      \
-    "shadow_rays, plain_vertices, other_vertices, units, degenerate, nonfinite, keys"
+    "shadow_rays, plain_vertices, other_vertices, units, degenerate, nonfinite, "                  \
+    "warnings, keys"
 #define MARKS                                                                                      \
     "?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, "  \
     "?21, ?22, ?23, ?24, ?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, ?33, ?34, ?35, ?36, ?37, ?38, "   \
-    "?39, ?40, ?41, ?42, ?43, ?44, ?45, ?46, ?47, ?48, ?49, ?50, ?51, ?52, ?53, ?54"
+    "?39, ?40, ?41, ?42, ?43, ?44, ?45, ?46, ?47, ?48, ?49, ?50, ?51, ?52, ?53, ?54, ?55"
 
 enum column_kind { COLUMN_INT, COLUMN_REAL, COLUMN_TEXT };
 
@@ -131,6 +133,7 @@ static const struct column {
     AT(COLUMN_INT, report.work.units),
     AT(COLUMN_INT, report.dropped.degenerate),
     AT(COLUMN_INT, report.dropped.nonfinite),
+    AT(COLUMN_TEXT, warnings),
 #undef AT
 };
 

@@ -227,7 +227,23 @@ def checks_scenes(f, t):
          checked.stderr)
     told = json.loads(f.run("check", bad, "--json").stdout)
     t.ok(not told["valid"] and "/camera/fov_deg" in [e["pointer"] for e in told["errors"]], "check --json", told)
-    t.equal(json.loads(f.run("check", "scenes/cornell-box.json", "--json").stdout), {"valid": True, "errors": []},
+    loud = {"smalti": 1, "film": {"width": 16, "height": 16}, "materials": {"m": {"type": "diffuse", "albedo": [2, 1, 0.5]}},
+            "camera": {"type": "perspective", "fov_deg": 40, "look_at": {"from": [0, 1, 5], "to": [0, 1, 0]}},
+            "shapes": [{"type": "sphere", "material": "m", "center": [0, 1, 0], "radius": 1}],
+            "settings": {"rescale": True, "target": {"spp": 8}}}
+    path = write(f, "loud.json", loud)
+    change = {"pointer": "/materials/m/albedo", "detail": "more light than there is: was 2, 1, 0.5, became 1, 0.5, 0.25",
+              "was": [2, 1, 0.5], "became": [1, 0.5, 0.25]}
+    told = json.loads(f.run("check", path, "--json").stdout)
+    t.equal(told, {"valid": True, "errors": [], "warnings": [change]}, "check --json says what rescale has changed")
+    said = f.run("check", path)
+    t.ok(said.returncode == 0 and said.stderr == f"warning: {path}: {change['pointer']}: {change['detail']}\n",
+         "and check on stderr", said)
+    job = f.submit(loud)
+    f.server.stop()
+    f.start_server()
+    t.equal(f.get(f"/v1/jobs/{job}")["warnings"], [change], "a job's status says it, after a restart, too")
+    t.equal(json.loads(f.run("check", "scenes/cornell-box.json", "--json").stdout), {"valid": True, "errors": [], "warnings": []},
             "check --json: a valid scene")
     t.equal(f.run("check", "scenes/cornell-box.json").returncode, 0, "check: status 0")
 
