@@ -101,6 +101,8 @@ static struct store_job row_of(const struct server *s, const struct scene *scene
         .crop = {f->crop_x_begin, f->crop_y_begin, f->crop_x_end, f->crop_y_end},
         .layers = f->layers,
         .target = scene->settings.target,
+        .method =
+            scene->settings.integrator == INTEGRATOR_AUTO ? STORE_METHOD_OPEN : STORE_METHOD_GIVEN,
         .created_unix_ms = clock_unix_ms(),
         .error = -1,
         .report = report_none(),
@@ -231,6 +233,28 @@ void api_job_document(struct server *s, const struct request *rq, struct reply *
     re->file = asset_fd(j->row.document, &bytes);
     if (re->file < 0) {
         problem_reply(rq, re, 404, "the document is no longer here");
+        return;
+    }
+    re->status = 200;
+    re->type = "application/json";
+    re->body_bytes = bytes;
+    re->immutable = true;
+}
+
+void api_job_plan(struct server *s, const struct request *rq, struct reply *re)
+{
+    const struct job *j = job_of_id(s, rq, re, rq->part[0]);
+    if (!j)
+        return;
+    char directory[DISK_PATH - 32], path[DISK_PATH];
+    uint64_t bytes;
+    server_job_directory(s, j, directory, sizeof directory);
+    snprintf(path, sizeof path, "%s/plan.json", directory);
+    re->file = j->row.method >= STORE_METHOD_PLANNED ? disk_open(path, &bytes) : -1;
+    if (re->file < 0) {
+        problem_reply(rq, re, 404, "%s",
+                      j->row.method == STORE_METHOD_GIVEN ? "the document says the method itself"
+                                                          : "there is no plan yet");
         return;
     }
     re->status = 200;

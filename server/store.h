@@ -14,6 +14,7 @@
 #include "common/err.h"
 #include "common/film.h"
 #include "common/hash.h"
+#include "common/plan.h"
 #include "common/scene.h"
 
 /*      queued ----> running ----> done
@@ -31,6 +32,13 @@ enum job_state {
 };
 
 enum { STORE_REASON = 512 };
+
+/* A job's method. */
+enum {
+    STORE_METHOD_GIVEN = 0,   /* by its document */
+    STORE_METHOD_OPEN = 1,    /* it is still to be planned */
+    STORE_METHOD_PLANNED = 2, /* + enum plan_candidate_kind */
+};
 
 struct store_failure {
     char reason[STORE_REASON]; /* "": none */
@@ -60,6 +68,7 @@ struct store_job {
     struct tile_rect crop;
     uint32_t layers;            /* of the film, layers.h */
     struct scene_target target; /* spp: the one settled on, once that is known */
+    uint32_t method;            /* STORE_METHOD_... */
     bool settled;               /* a job with a seconds target has decided where to stop */
     int64_t created_unix_ms, started_unix_ms, finished_unix_ms; /* 0: not yet */
     int64_t elapsed_ms;   /* running, from the first lease, up to the last time it was stored */

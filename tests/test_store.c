@@ -49,6 +49,7 @@ static struct store_job full_row(void)
     row.id = 0xffffffffffffffff;
     row.crop = (struct tile_rect){10, 20, 110, 190};
     row.layers = LAYER_ALBEDO | 3 << 8;
+    row.method = STORE_METHOD_PLANNED + PLAN_PATH_BSDF;
     row.state = JOB_PAUSED;
     row.priority = -100;
     row.settled = true;
@@ -85,12 +86,12 @@ static bool rows_equal(const struct store_job *a, const struct store_job *b)
            !strcmp(a->title, b->title) && a->state == b->state && a->priority == b->priority &&
            a->width_px == b->width_px && a->height_px == b->height_px && a->tile_px == b->tile_px &&
            !memcmp(&a->crop, &b->crop, sizeof a->crop) && a->layers == b->layers &&
-           a->target.error == b->target.error && a->target.spp == b->target.spp &&
-           a->target.seconds == b->target.seconds && a->settled == b->settled &&
-           a->created_unix_ms == b->created_unix_ms && a->started_unix_ms == b->started_unix_ms &&
-           a->finished_unix_ms == b->finished_unix_ms && a->elapsed_ms == b->elapsed_ms &&
-           a->samples == b->samples && a->passes_done == b->passes_done &&
-           a->spp_done == b->spp_done && a->error == b->error &&
+           a->method == b->method && a->target.error == b->target.error &&
+           a->target.spp == b->target.spp && a->target.seconds == b->target.seconds &&
+           a->settled == b->settled && a->created_unix_ms == b->created_unix_ms &&
+           a->started_unix_ms == b->started_unix_ms && a->finished_unix_ms == b->finished_unix_ms &&
+           a->elapsed_ms == b->elapsed_ms && a->samples == b->samples &&
+           a->passes_done == b->passes_done && a->spp_done == b->spp_done && a->error == b->error &&
            !memcmp(&a->report, &b->report, sizeof a->report) && a->cpu_us == b->cpu_us &&
            a->granted == b->granted && a->expired == b->expired && a->returned == b->returned &&
            a->duplicates == b->duplicates && a->invalid_count == b->invalid_count &&
@@ -155,6 +156,7 @@ static void former_version(void)
                         "ALTER TABLE job DROP COLUMN degenerate;"
                         "ALTER TABLE job DROP COLUMN nonfinite;"
                         "ALTER TABLE job DROP COLUMN warnings;"
+                        "ALTER TABLE job DROP COLUMN method;"
                         "DROP TABLE point; ALTER TABLE job DROP COLUMN layers; UPDATE job SET "
                         "tile_px = 33; PRAGMA "
                         "user_version = 1",
@@ -163,7 +165,7 @@ static void former_version(void)
     sqlite3_close(db);
     struct seen seen = {.count = 0};
     s = store_open(path_of("v1.db"), &err);
-    row.layers = 0;
+    row.layers = row.method = 0;
     row.tile_px = 40;
     row.report = report_none();
     *row.warnings = '\0';
