@@ -58,8 +58,8 @@ struct chart_point {
     uint32_t spp;
     struct curve_value error; /* relMSE */
     double trimmed;           /* without one pixel in a thousand */
-    double untrusted;         /* the part of 8 x 8 blocks with less than 32 effective samples */
-    bool tail;                /* or one pixel in a thousand has most of the error */
+    double unknown, heavy;    /* shares of a run's pixels, of the runs' mean: evidence.h */
+    bool tail;                /* one pixel in a thousand, or one run, has most of the error */
     bool near_floor;          /* within three times of the reference's noise */
 };
 
@@ -90,7 +90,7 @@ struct chart {
     struct chart_reference reference;
     uint32_t line_count, point_count;
     struct chart_line lines[CHART_MOST_LINES]; /* the first: path tracing with all that there is */
-    int32_t planned;           /* the line that a planner chose; -1: there is none */
+    int32_t planned;           /* the line that the planner chose; -1: none of these */
     int32_t best, best_target; /* least work to the smallest error that was reached; -1: none */
     double unit_ns[3];         /* of all lines' runs: 5 %, median, 95 % */
 

@@ -38,9 +38,12 @@ static void widen(double *least, double *most, double value)
 
 static struct chart_axes axes_of(const struct chart *c)
 {
-    struct chart_axes a = {
-        PLOT_LEFT, PLOT_TOP, PLOT_LEFT + PLOT_WIDTH, PLOT_TOP + PLOT_HEIGHT, INFINITY, 0, INFINITY,
-        0,         false};
+    struct chart_axes a = {.left = PLOT_LEFT,
+                           .top = PLOT_TOP,
+                           .right = PLOT_LEFT + PLOT_WIDTH,
+                           .bottom = PLOT_TOP + PLOT_HEIGHT,
+                           .x_least = HUGE_VAL,
+                           .y_least = HUGE_VAL};
     for (uint32_t i = 0; i < c->line_count; i++)
         for (uint32_t p = 0; p < c->point_count; p++) {
             widen(&a.x_least, &a.x_most, c->lines[i].curve.work[p]);
@@ -167,7 +170,7 @@ static void draw_line(struct buf *b, const struct chart_line *line, uint32_t i,
 
 static enum svg_fill fill_of(const struct chart_line *line, const struct chart_point *p)
 {
-    if (p->tail || p->untrusted > 0.05)
+    if (p->tail || p->unknown + p->heavy > 0.05)
         return SVG_HATCHED;
     return p->near_floor || line->missing ? SVG_HOLLOW : SVG_FULL;
 }
@@ -197,9 +200,14 @@ static void draw_planned(struct buf *b, const struct chart *c, const struct char
     if (c->planned < 0)
         return;
     const struct chart_line *line = &c->lines[c->planned];
-    const uint32_t last = c->point_count - 1;
-    svg_mark(b, SVG_STAR, chart_axes_x(a, line->curve.work[last]),
-             chart_axes_y(a, line->points[last].error.at), (uint32_t)c->planned, SVG_FULL);
+    double work = line->curve.work[c->point_count - 1];
+    double error = line->points[c->point_count - 1].error.at;
+    if (c->best_target >= 0 && !isnan(line->work_to[c->best_target].at)) {
+        work = line->work_to[c->best_target].at;
+        error = chart_targets[c->best_target] * chart_targets[c->best_target];
+    }
+    svg_mark(b, SVG_STAR, chart_axes_x(a, work), chart_axes_y(a, error), (uint32_t)c->planned,
+             SVG_HOLLOW);
 }
 
 /* --- names at the lines' ends --- */
@@ -308,7 +316,7 @@ static int hard_target(const struct chart *c)
     return c->best_target > 0 ? c->best_target : 1;
 }
 
-static const double columns[] = {74, 226, 314, 436, 558, 690, 838};
+static const double columns[] = {74, 226, 310, 426, 542, 702, 838};
 
 static void draw_head(struct buf *b, const struct chart *c, double y)
 {
@@ -353,16 +361,17 @@ static void draw_row(struct buf *b, const struct chart *c, uint32_t i, double y)
 static void draw_key(struct buf *b, const struct chart *c, double y)
 {
     const char *const lines[] = {
-        "Hollow: within three times of the reference's noise. Hatched: one pixel in a thousand has "
-        "most "
-        "of the error, or blocks have under 32 effective samples.",
+        "Hollow: within three times of the reference's noise. Hatched: one pixel in a thousand or "
+        "one run "
+        "has most of the error, or many pixels have too few samples.",
         "Open triangle: a class of paths is missing; its energy stands in the last column (!). "
         "Dotted, beside a line: the error without one pixel in a thousand.",
         "Yellow: the frontier, no point is better in both. Diagonals: equal efficiency. "
         "Efficiency: the first method's error at equal work over the method's.",
-        c->planned >= 0 ? "Red cross: least work to the hardest target reached. Star: the "
-                          "planner's choice."
-                        : "Red cross: least work to the hardest target reached.",
+        c->best < 0      ? "Star: the planner's choice."
+        : c->planned < 0 ? "Red cross: least work to the hardest target that is reached."
+                         : "Red cross: least work to the hardest target that is reached. Star: the "
+                           "planner's choice for it.",
     };
     for (size_t i = 0; i < countof(lines) - (c->best < 0 && c->planned < 0); i++)
         svg_text(b, columns[0] - 16, y + 15 * (double)i, "start", "font-size='11' fill='#444'",
@@ -389,8 +398,8 @@ void chart_draw(const struct chart *c, struct buf *svg)
     }
     for (uint32_t i = c->line_count; i-- > 0;)
         draw_points(svg, &c->lines[i], i, &a);
-    draw_best(svg, c, &a);
     draw_planned(svg, c, &a);
+    draw_best(svg, c, &a);
     chart_axes_unclip(svg);
     chart_axes_frame(svg, &a);
     draw_seconds(svg, c, &a);

@@ -4,7 +4,9 @@
 #include <string.h>
 
 #include "client/chart.h"
+#include "common/plan.h"
 #include "common/trace/prep.h"
+#include "common/trace/study.h"
 
 static const struct chart_method methods[] = {
     {"path-mis", INTEGRATOR_PATH, STRATEGY_MIS, SAMPLER_SOBOL},
@@ -20,8 +22,6 @@ _Static_assert(countof(methods) <= CHART_MOST_LINES, "a line each");
 
 #define MISSING      1e-3 /* of the energy: less is not told from none */
 #define FLOOR_FACTOR 3    /* of the reference's noise: nearer, a point says little */
-
-enum { TRUSTED_SAMPLES = 32, BLOCK = 8 };
 
 static uint32_t point_count(const struct chart_options *o)
 {
@@ -96,51 +96,6 @@ double chart_energy(const struct chart *c, const double *image)
 
 /* --- a point --- */
 
-struct spread { /* of the runs' values of a pixel and channel */
-    double mean, variance;
-};
-
-static struct spread spread_of(const struct chart_run runs[], uint32_t n, size_t value)
-{
-    struct spread s = {0, 0};
-    for (uint32_t r = 0; r < n; r++)
-        s.mean += runs[r].image[value] / n;
-    for (uint32_t r = 0; r < n; r++)
-        s.variance += (runs[r].image[value] - s.mean) * (runs[r].image[value] - s.mean) / (n - 1);
-    return s;
-}
-
-/* (sum x)^2 / sum x^2 of the samples behind all runs, as far as their spread tells: of one channel
- * of the pixel, the brightest. */
-static double effective_samples(const struct chart_run runs[], uint32_t n, size_t pixel)
-{
-    struct spread most = {0, 0};
-    for (size_t c = 3 * pixel; c < 3 * pixel + 3; c++) {
-        const struct spread s = spread_of(runs, n, c);
-        if (s.mean > most.mean)
-            most = s;
-    }
-    const double all = (double)n * runs[0].spp, square = most.mean * most.mean;
-    return square > 0 ? all * square / (square + runs[0].spp * most.variance) : (double)INFINITY;
-}
-
-/* The part of blocks that have less than TRUSTED_SAMPLES in a run. */
-static double untrusted(const struct chart *c, const struct chart_run runs[])
-{
-    const uint32_t n = c->options.runs;
-    uint32_t bad = 0, all = 0;
-    for (uint32_t y = 0; y < c->height_px; y += BLOCK)
-        for (uint32_t x = 0; x < c->width_px; x += BLOCK) {
-            double sum = 0;
-            for (uint32_t v = y; v < min_u32(y + BLOCK, c->height_px); v++)
-                for (uint32_t u = x; u < min_u32(x + BLOCK, c->width_px); u++)
-                    sum += effective_samples(runs, n, (size_t)v * c->width_px + u) / n;
-            bad += sum < TRUSTED_SAMPLES;
-            all++;
-        }
-    return (double)bad / all;
-}
-
 static void fill_point(const struct chart *c, struct chart_line *line, uint32_t point,
                        const struct chart_run runs[], double *scratch)
 {
@@ -149,17 +104,21 @@ static void fill_point(const struct chart *c, struct chart_line *line, uint32_t 
     struct chart_point *p = &line->points[point];
     line->curve.work[point] = 0;
     p->spp = runs[0].spp;
-    p->trimmed = 0;
+    p->trimmed = p->unknown = p->heavy = 0;
     for (uint32_t r = 0; r < n; r++) {
         double trimmed;
         line->curve.work[point] += (double)runs[r].work.units / n;
         line->curve.error[point][r] =
             curve_relmse(runs[r].image, c->reference.image, pixels, &trimmed, scratch);
         p->trimmed += trimmed / n;
+        p->unknown += runs[r].unknown / n;
+        p->heavy += runs[r].heavy / n;
     }
     p->error = curve_at(&line->curve, point);
-    p->untrusted = untrusted(c, runs);
-    p->tail = p->trimmed < 0.5 * p->error.at;
+    double most = 0;
+    for (uint32_t r = 0; r < n; r++)
+        most = fmax(most, line->curve.error[point][r]);
+    p->tail = p->trimmed < 0.5 * p->error.at || most > 0.5 * n * p->error.at;
     p->near_floor = p->error.at < FLOOR_FACTOR * c->reference.noise;
 }
 
@@ -257,6 +216,27 @@ static void fill_table(struct chart *c)
         }
 }
 
+/* What "auto" would take for the hardest target that some method reaches. */
+static bool ask_planner(struct chart *c, const struct scene *scene, struct err *err)
+{
+    struct arena arena = {0};
+    struct scene s = *scene;
+    struct plan plan;
+    const struct stage *stage;
+    s.settings.target = (struct scene_target){
+        .error = chart_targets[c->best_target < 0 ? 0 : c->best_target], .spp = SCENE_MAX_SPP};
+    const bool good = chart_prepare(&s, c->lines[0].method, &stage, &arena, err);
+    if (good && study_make(stage, NULL, &arena, &plan)) {
+        const struct plan_method m = plan_method_of(&plan, plan.chosen);
+        for (uint32_t i = c->line_count; i-- > 0;)
+            if (methods[i].integrator == m.integrator && methods[i].strategy == m.strategy &&
+                methods[i].sampler == SAMPLER_SOBOL)
+                c->planned = (int32_t)i;
+    }
+    arena_release(&arena);
+    return good;
+}
+
 /* Noise in some pixel, of the reference's at least: else there is nothing to chart. */
 static bool is_noisy(const struct chart *c, struct err *err)
 {
@@ -291,5 +271,5 @@ bool chart_measure(struct chart *c, const struct scene *scene, const struct char
     c->unit_ns[1] = quantile(rates, 0.5);
     c->unit_ns[2] = quantile(rates, 0.95);
     fill_table(c);
-    return is_noisy(c, err);
+    return is_noisy(c, err) && ask_planner(c, &small, err);
 }

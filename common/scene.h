@@ -299,6 +299,7 @@ struct shape {
     uint32_t material;     /* index into scene.materials */
     rgb emission;          /* radiance leaving the front side; 0: not a light. Front: outside of a
                             * sphere or cylinder, else the side the normal points to */
+    uint32_t glow;         /* 1 + index into scene.textures: emission is multiplied by it; 0: none */
     struct xform to_world; /* but for quads and meshes a similarity (checked), maybe a mirror */
     union {
         struct {
@@ -363,7 +364,8 @@ struct light {
     };
 };
 
-enum integrator_kind { INTEGRATOR_PATH, INTEGRATOR_DIRECT, INTEGRATOR_WHITTED };
+/* AUTO: a plan says which, and with which strategy (plan.h). A stage of such a document is PATH's. */
+enum integrator_kind { INTEGRATOR_PATH, INTEGRATOR_DIRECT, INTEGRATOR_WHITTED, INTEGRATOR_AUTO };
 
 /* How light that lights and surfaces can both find is looked for. */
 enum strategy_kind { STRATEGY_MIS, STRATEGY_LIGHT, STRATEGY_BSDF };
@@ -387,6 +389,13 @@ struct scene_settings {
     struct scene_target target;
 };
 
+/* What reading has changed, since `settings.rescale` allows it. */
+struct scene_warning {
+    const char *where;        /* JSON pointer */
+    const char *what;         /* with both values */
+    float was[3], became[3];  /* a colour */
+};
+
 struct scene {
     const char *title; /* "" when absent */
     struct scene_film film;
@@ -402,6 +411,8 @@ struct scene {
     struct material_relief *reliefs;
     uint32_t material_count, shape_count, mesh_count, light_count, texture_count, image_count;
     uint32_t slot_count, relief_count;
+    struct scene_warning *warnings; /* for people */
+    uint32_t warning_count;
 };
 
 /* What is wrong with a document: all of it at once, in document order. */

@@ -102,6 +102,12 @@ static json_t *failure_json(const struct job *j)
                      rect_json(tile_rect_of(&j->grid, f->tile)), "pass", (json_int_t)f->pass);
 }
 
+static json_t *warnings_json(const struct store_job *r)
+{
+    json_t *list = json_loads(r->warnings, 0, NULL);
+    return json_is_array(list) ? list : json_array();
+}
+
 static size_t workers_of(const struct server *s, const struct job *j)
 {
     static uint64_t mark; /* owner thread only */
@@ -114,6 +120,16 @@ static size_t workers_of(const struct server *s, const struct job *j)
             l->worker->mark = mark;
     }
     return n;
+}
+
+/* Of a job that is planned. */
+static json_t *method_json(const struct store_job *r)
+{
+    if (r->method < STORE_METHOD_PLANNED)
+        return json_null();
+    const struct plan_names n =
+        plan_names((enum plan_candidate_kind)(r->method - STORE_METHOD_PLANNED));
+    return json_pack("{s:s, s:s}", "integrator", n.integrator, "strategy", n.strategy);
 }
 
 static void add_identity(json_t *root, const struct job *j)
@@ -135,6 +151,8 @@ static void add_identity(json_t *root, const struct job *j)
     json_object_set_new(root, "tile_px", json_integer(r->tile_px));
     json_object_set_new(root, "tiles", json_integer(j->tile_count));
     json_object_set_new(root, "target", target_json(&r->target));
+    json_object_set_new(root, "auto", json_boolean(r->method != STORE_METHOD_GIVEN));
+    json_object_set_new(root, "method", method_json(r));
 }
 
 static void add_progress(json_t *root, const struct job *j, int64_t now_ms)
@@ -171,6 +189,7 @@ json_t *status_job(const struct server *s, const struct job *j)
                                   (json_int_t)r->duplicates));
     json_object_set_new(root, "report", status_report(r));
     json_object_set_new(root, "failure", failure_json(j));
+    json_object_set_new(root, "warnings", warnings_json(r));
     json_object_set_new(root, "image",
                         json_pack("{s:I, s:o}", "version", (json_int_t)r->image_version, "digest",
                                   *r->digest ? json_string(r->digest) : json_null()));

@@ -14,9 +14,10 @@
 #include "common/err.h"
 #include "common/film.h"
 #include "common/hash.h"
+#include "common/plan.h"
 #include "common/scene.h"
 
-/*      queued ----> running ----> done
+/*      queued ----> running ----> done ----> queued, for more
  *        |  ^         | ^  \
  *        v  |         v |   `---> failed      queued, running, paused ---> cancelled
  *       paused <----> paused
@@ -32,11 +33,20 @@ enum job_state {
 
 enum { STORE_REASON = 512 };
 
+/* A job's method. */
+enum {
+    STORE_METHOD_GIVEN = 0,   /* by its document */
+    STORE_METHOD_OPEN = 1,    /* it is still to be planned */
+    STORE_METHOD_PLANNED = 2, /* + enum plan_candidate_kind */
+};
+
 struct store_failure {
     char reason[STORE_REASON]; /* "": none */
     bool has_pass;             /* it happened in a pass of a tile */
     uint32_t tile, pass;
 };
+
+enum { STORE_WARNINGS = 2048 };
 
 struct store_report {             /* report.h; of the film that the error is of */
     double error_low, error_high; /* 95 % interval of the error; < 0: unknown */
@@ -58,7 +68,9 @@ struct store_job {
     struct tile_rect crop;
     uint32_t layers;            /* of the film, layers.h */
     struct scene_target target; /* spp: the one settled on, once that is known */
-    bool settled;               /* a job with a seconds target has decided where to stop */
+    uint32_t method;            /* STORE_METHOD_... */
+    bool stratified; /* its samples are made for target.spp as submitted: it cannot go on beyond */
+    bool settled;    /* a job with a seconds target has decided where to stop */
     int64_t created_unix_ms, started_unix_ms, finished_unix_ms; /* 0: not yet */
     int64_t elapsed_ms;   /* running, from the first lease, up to the last time it was stored */
     uint64_t samples;     /* merged, over all pixels */
@@ -75,6 +87,7 @@ struct store_job {
     char digest[HASH_HEX];  /* of the finished image; "" before */
     uint64_t checkpoint;    /* generation of the film on disk; 0: none */
     struct store_failure failure;
+    char warnings[STORE_WARNINGS]; /* status_warnings.h; "": none */
 };
 
 struct store_point {  /* of a job's curve (convergence.h) */

@@ -44,7 +44,10 @@ def changed(**members):
 
 def table(path):
     with open(path, encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+        rows = list(csv.DictReader(file))
+    if any(None in row or None in row.values() for row in rows):
+        raise farm.Failure(f"{path}: a row is longer or shorter than its head")
+    return rows
 
 
 def charts(f, t):
@@ -66,10 +69,12 @@ def charts(f, t):
     missing = {row["method"]: row["class_missing"] for row in rows[:-1]}
     t.ok(missing["path-mis"] == missing["path-bsdf"] == "0" and missing["whitted"] == "1",
          "chart: whitted misses what plates send to each other, paths nothing", missing)
-    t.ok({row["planned"] for row in rows[:-1]} == {"0"}, "chart: no planner, no plan")
+    planned = {row["method"] for row in rows[:-1] if row["planned"] == "1"}
+    t.ok(len(planned) == 1 and planned <= {"path-mis", "path-light", "path-bsdf"}, "chart: one line, a sufficient one, is the planner's choice",
+         planned)
     price = {row["left_out"]: row for row in table(os.path.join(one, "plate-price.csv"))}
     t.ok("multiple scattering on facets" in price and "absorption" not in price, "chart: prices of the pieces that there are", list(price))
-    t.ok(float(price["indirect light"]["work_saved"]) > .1 and float(price["indirect light"]["energy_added"]) < 0,
+    t.ok(float(price["indirect light"]["work_saved"]) > .05 and float(price["indirect light"]["energy_added"]) < 0,
          "chart: indirect light costs work and brings energy")
     for name in ("plate.svg", "plate-price.svg"):
         with open(os.path.join(one, name), encoding="utf-8") as file:

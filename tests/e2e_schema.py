@@ -29,6 +29,8 @@ BEYOND_A_SCHEMA = {
     "cylinder-world-short": "two points and a transform",
     "cylinder-world-thin": "a radius and a transform",
     "disc-ellipse": "geometry of a transform",
+    "emission-texture-mask": "a shape against its material",
+    "emission-texture-unknown": "a name against names",
     "film-crop-empty": "begin against end",
     "film-crop-outside": "window against film",
     "film-crop-swapped": "begin against end",
@@ -114,6 +116,15 @@ def main():
     for path in examples:
         fault = next(validator.iter_errors(load(path)), None)
         ok(fault is None, "%s is valid by the schema" % os.path.basename(path))
+        if fault is not None:
+            print("#", list(fault.absolute_path), fault.message[:200])
+
+    sys.path.insert(0, os.path.join(ROOT, "docs/gallery"))
+    from make import document_of
+    from pictures import SECTIONS
+    for picture in (p for section in SECTIONS for p in section.pictures):
+        fault = next(validator.iter_errors(document_of(picture)), None)
+        ok(fault is None, "the gallery's %s is valid by the schema" % picture.name)
         if fault is not None:
             print("#", list(fault.absolute_path), fault.message[:200])
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "common/trace/light.h"
 
+#include "common/trace/glow.h"
 #include "common/trace/light_cylinder.h"
 #include "common/trace/light_map.h"
 #include "common/trace/light_solid.h"
@@ -166,12 +167,6 @@ static float area_pdf_w(vec3 d, vec3 ng, float area)
     return cos > 0 ? dd / (cos * area) : 0;
 }
 
-static struct surface point_on_triangle(const struct stage *s, struct stage_id id, struct square q)
-{
-    const struct square b = warp_triangle(q);
-    return surface_on_triangle(s, id, b.u, b.v);
-}
-
 static struct surface point_on_disc(const struct stage *s, struct stage_id id, struct square q)
 {
     const struct stage_disc *disc =
@@ -254,6 +249,17 @@ static bool look_at(const struct surface *from, const struct surface *on, float 
     return true;
 }
 
+/* b: of a triangle, the weights of its corners 1 and 2. */
+static rgb radiance_on(const struct stage *s, const struct emitter *e, const struct surface *on,
+                       struct square b)
+{
+    if (e->texture == STAGE_NONE)
+        return vec3_load(e->radiance);
+    const struct ray_hit hit = {
+        .prim = e->prim, .place = e->place, .instance = STAGE_NONE, .u = b.u, .v = b.v};
+    return glow_on(s, e, &hit, on);
+}
+
 static bool sample_near(const struct stage *s, const struct surface *from, const struct emitter *e,
                         float pick, struct square q, struct light_sample *out)
 {
@@ -266,7 +272,7 @@ static bool sample_near(const struct stage *s, const struct surface *from, const
     const struct emitter *of = emitter_at(s, n.begin + place.triangle);
     const struct stage_id id = {of->prim, of->place, STAGE_NONE};
     const struct surface on = surface_on_triangle(s, id, place.b.u, place.b.v);
-    return look_at(from, &on, pdf_w, vec3_load(e->radiance), out);
+    return look_at(from, &on, pdf_w, radiance_on(s, of, &on, place.b), out);
 }
 
 /* No flat or round primitive sees its own front, so `from` never chooses its own. */
@@ -278,10 +284,12 @@ static bool sample_primitive(const struct stage *s, const struct surface *from,
         return false;
     const struct stage_id id = {e->prim, e->place, STAGE_NONE};
     struct surface on;
+    struct square b = {0, 0};
     float pdf_w = 0;
     switch ((enum stage_kind)id.place.kind) {
     case STAGE_TRIANGLE:
-        on = point_on_triangle(s, id, q);
+        b = warp_triangle(q);
+        on = surface_on_triangle(s, id, b.u, b.v);
         if (is_near(e, on.ng, from->p))
             return sample_near(s, from, e, pick, q, out);
         pdf_w = area_pdf_w(on.p - from->p, on.ng, e->area);
@@ -309,7 +317,7 @@ static bool sample_primitive(const struct stage *s, const struct surface *from,
         break;
     }
     }
-    return look_at(from, &on, pick * pdf_w, vec3_load(e->radiance), out);
+    return look_at(from, &on, pick * pdf_w, radiance_on(s, e, &on, b), out);
 }
 
 static bool sample_point(const struct stage *s, const struct surface *from, const struct emitter *e,

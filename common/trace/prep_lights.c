@@ -167,9 +167,8 @@ static void pick_emitters(struct prep_plan *p)
     }
 }
 
-/* From so many emitters on that have a place, one is picked by the tree, but where light8.h has
- * them in lanes, which is worth more (docs/design.md). */
-enum { TREE_FROM = 4 };
+/* From so many emitters on that have a place, one is picked by the tree (docs/design.md). */
+enum { TREE_FROM = 512 };
 
 static bool fit_lanes(const struct prep_plan *p)
 {

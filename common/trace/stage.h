@@ -180,6 +180,7 @@ struct emitter {
     enum emitter_kind kind;
     uint32_t prim;            /* EMITTER_PRIM */
     struct stage_place place; /* EMITTER_PRIM */
+    uint32_t texture;         /* EMITTER_PRIM: radiance is multiplied by it; STAGE_NONE: none */
     float radiance[3];        /* PRIM, SUN: radiance; POINT, SPOT: intensity; DISTANT: irradiance;
                                * MAP: of a pixel value of 1 */
     float at[3];              /* POINT, SPOT: position; DISTANT, SUN: direction of travel, unit;
@@ -314,6 +315,7 @@ struct stage {
 
     uint32_t prim_count;
     uint32_t wrapped, masked; /* 1: there are materials made of others; among them masks */
+    uint32_t glowing;         /* 1: there are emitters with textures */
     uint32_t guide_shift;
     uint32_t far_begin, beyond_begin; /* among the emitters: see there */
 
