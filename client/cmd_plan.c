@@ -115,6 +115,8 @@ int cmd_plan(int argc, char *const *args)
     const struct stage *stage;
     struct plan plan;
     if (cmd_can_trace(&status) && load(file, &scene, &arena, &status)) {
+        scene.scene.settings.integrator = INTEGRATOR_AUTO;
+        scene.scene.settings.strategy = STRATEGY_MIS;
         if (error > 0)
             scene.scene.settings.target = (struct scene_target){error, SCENE_MAX_SPP, 0};
         if (prepare(&scene.scene, &arena, &stage, &status)) {

@@ -3,12 +3,13 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "common/base.h"
 
 /* The numbers of the rules. They were set on the scenes of `make bench-planner` that are not held
  * out. */
-#define PILOT_SHARE    0.02 /* of the work that is expected, for all pilots together */
+#define PILOT_SHARE    0.01 /* of the work that is expected, for all pilots together */
 #define CLOSE          1.05 /* a simpler method may cost so much more: its pilot has a price, too */
 #define MOST_TAIL      0.5
 #define MOST_THIN      0.05
@@ -16,7 +17,7 @@
 #define SMALL_LIGHT_SR 0.05
 #define PEAKED_MAP     50.0
 
-enum { LEAST_PIXELS = 64, MOST_PIXELS = 4096 };
+enum { MOST_PIXELS = 4096, PILOT_SPP = 64, LEAST_SPP = 16 };
 
 static const struct plan_method methods[PLAN_REAL] = {
     [PLAN_DIRECT] = {INTEGRATOR_DIRECT, STRATEGY_MIS, SAMPLER_SOBOL},
@@ -35,6 +36,27 @@ const char *plan_candidate_name(enum plan_candidate_kind k)
         [PLAN_PHOTON_MAP] = "photon map", [PLAN_METROPOLIS] = "metropolis",
     };
     return names[k];
+}
+
+struct plan_names plan_names(enum plan_candidate_kind k)
+{
+    static const char *const integrators[] = {[INTEGRATOR_PATH] = "path",
+                                              [INTEGRATOR_DIRECT] = "direct",
+                                              [INTEGRATOR_WHITTED] = "whitted"};
+    static const char *const strategies[] = {
+        [STRATEGY_MIS] = "mis", [STRATEGY_LIGHT] = "light", [STRATEGY_BSDF] = "bsdf"};
+    return (struct plan_names){integrators[methods[k].integrator], strategies[methods[k].strategy]};
+}
+
+enum plan_candidate_kind plan_find(const char *integrator, const char *strategy)
+{
+    int k = 0;
+    for (; k < PLAN_REAL; k++) {
+        const struct plan_names n = plan_names((enum plan_candidate_kind)k);
+        if (!strcmp(n.integrator, integrator) && !strcmp(n.strategy, strategy))
+            break;
+    }
+    return (enum plan_candidate_kind)k;
 }
 
 const char *plan_class_name(enum plan_class c)
@@ -89,20 +111,17 @@ static double sum_of(const double of_class[])
     return sum;
 }
 
-/* What a method may leave out: nobody asked for an error, nobody is to have one. */
-static double allowed(const struct plan *p)
+/* A method that leaves light out is considered only if none of it was found. A share of half of the
+ * error would be allowed, but what counts is each pixel's error: where light comes by no other way,
+ * in a shadow, all is gone, and one pixel in 4 / error^2 is too many already. No pilot sees that.
+ */
+static void consider_biased(struct plan_candidate *c, double share, double error)
 {
-    return p->is_asked ? p->error / 2 : 0;
-}
-
-static void consider_biased(const struct plan *p, struct plan_candidate *c, double share,
-                            double error)
-{
-    const double most = share + 2 * error;
     c->lacks += share;
-    if (most > allowed(p))
-        rule(c, PLAN_INSUFFICIENT, "leaves out %.3g %% of the light (+- %.2g), %.3g %% are allowed",
-             100 * share, 200 * error, 100 * allowed(p));
+    if (share > 0)
+        rule(c, PLAN_INSUFFICIENT,
+             "leaves out %.3g %% of the light (+- %.2g), and all in some pixels", 100 * share,
+             200 * error);
 }
 
 static uint32_t shared_lights(const struct plan_features *f)
@@ -128,20 +147,23 @@ static void consider_light(const struct plan_features *f, struct plan_candidate 
         rule(c, PLAN_RULED_OUT, "there are lights above %.2g sr", SMALL_LIGHT_SR);
 }
 
+static void say_would_find(struct plan_candidate *c, double share, double all)
+{
+    c->verdict = PLAN_ABSENT;
+    c->lacks = all - share;
+    if (all > 0)
+        rule(c, PLAN_ABSENT, "would find %.3g %% of the light that no path from the eye can",
+             100 * share);
+}
+
 static void consider_absent(struct plan *p)
 {
     const double *missed = p->light.missed;
     const double seen = missed[PLAN_LSE] + missed[PLAN_LSDE] + missed[PLAN_LSDDE];
     const double all = sum_of(missed);
-    for (int k = PLAN_REAL; k < PLAN_CANDIDATES; k++)
-        p->candidates[k].verdict = PLAN_ABSENT;
-    rule(&p->candidates[PLAN_BIDIRECTIONAL], PLAN_ABSENT,
-         all > 0 ? "would find %.3g %% of the light that no path from the eye can" : "",
-         100 * seen);
-    p->candidates[PLAN_BIDIRECTIONAL].lacks = all - seen;
-    rule(&p->candidates[PLAN_PHOTON_MAP], PLAN_ABSENT,
-         all > 0 ? "would find %.3g %% of the light that no path from the eye can" : "", 100 * all);
-    p->candidates[PLAN_METROPOLIS].lacks = all - seen;
+    say_would_find(&p->candidates[PLAN_BIDIRECTIONAL], seen, all);
+    say_would_find(&p->candidates[PLAN_PHOTON_MAP], all, all);
+    say_would_find(&p->candidates[PLAN_METROPOLIS], seen, all);
 }
 
 static void consider_each(struct plan *p)
@@ -157,12 +179,8 @@ static void consider_each(struct plan *p)
                      p->max_bounces);
         return;
     }
-    consider_biased(p, &c[PLAN_DIRECT], p->light.beyond_direct, p->light.beyond_direct_error);
-    if (f->lobes[PLAN_DELTA] == 0)
-        rule(&c[PLAN_WHITTED], PLAN_RULED_OUT, "nothing is smooth: it is direct light");
-    else
-        consider_biased(p, &c[PLAN_WHITTED], p->light.beyond_whitted,
-                        p->light.beyond_whitted_error);
+    consider_biased(&c[PLAN_DIRECT], p->light.beyond_direct, p->light.beyond_direct_error);
+    consider_biased(&c[PLAN_WHITTED], p->light.beyond_whitted, p->light.beyond_whitted_error);
     for (int k = PLAN_PATH_BSDF; k <= PLAN_PATH_LIGHT; k++)
         if (shared_lights(f) == 0)
             rule(&c[k], PLAN_RULED_OUT, "no light that both ways can find: it is the same as mis");
@@ -172,21 +190,33 @@ static void consider_each(struct plan *p)
     }
 }
 
-/* For so many candidates; 0: none. */
+uint32_t plan_fit(const struct plan *p, double job_spp, uint32_t *spp)
+{
+    uint32_t count = 0;
+    for (int k = 0; k < PLAN_REAL; k++)
+        count += p->candidates[k].verdict == PLAN_DEARER;
+    const double samples = job_spp * (double)p->pixels * PILOT_SHARE / (count ? count : 1);
+    const double most = (double)min_size(MOST_PIXELS, 4 * (size_t)p->pixels);
+    *spp = samples >= 2 * PLAN_LEAST_PIXELS * PILOT_SPP ? PILOT_SPP : LEAST_SPP;
+    const double fit = samples / *spp;
+    return (uint32_t)(fit < most ? fit : most) / 4 * 4;
+}
+
 static void size_pilots(struct plan *p, uint32_t count, bool may_pilot)
 {
-    const double of_pixel = (double)count * PLAN_PILOT_SPP * p->rough_work;
-    const double fit = of_pixel > 0 ? p->expected * PILOT_SHARE / of_pixel : 0;
-    const uint64_t most = min_size(MOST_PIXELS, 4 * (size_t)p->pixels);
+    const uint32_t fit = plan_fit(p, p->rough_spp, &p->pilot_spp);
+    p->is_alone = count == 1;
     if (count == 1)
         snprintf(p->why_no_pilot, PLAN_WHY, "there is nothing to choose from");
-    else if (!may_pilot)
+    if (!may_pilot && count > 1)
         snprintf(p->why_no_pilot, PLAN_WHY, "the scene is too large to be copied");
-    else if (fit < LEAST_PIXELS)
+    if (!may_pilot)
+        return;
+    if (fit >= PLAN_LEAST_PIXELS)
+        p->pilot_pixels = fit;
+    else if (count > 1)
         snprintf(p->why_no_pilot, PLAN_WHY,
                  "%.3g units of work are too few for a pilot to pay for itself", p->expected);
-    else
-        p->pilot_pixels = (uint32_t)(fit < (double)most ? fit : (double)most) / 4 * 4;
 }
 
 void plan_consider(struct plan *p, bool may_pilot)
@@ -204,10 +234,9 @@ void plan_consider(struct plan *p, bool may_pilot)
 
 /* --- the choice --- */
 
-double plan_price(const struct plan *p, const struct plan_pilot *pilot)
+double plan_price(const struct plan_pilot *pilot)
 {
-    const double off = pilot->bias / (p->error * p->error);
-    return off < 1 ? pilot->variance * pilot->work / (1 - off) : (double)__builtin_inff();
+    return pilot->variance * pilot->work;
 }
 
 static bool is_tailed(const struct plan_candidate *c)
@@ -220,9 +249,9 @@ static bool is_rival(const struct plan_candidate *c)
     return c->tried && c->verdict == PLAN_DEARER && !is_tailed(c);
 }
 
-static void say_why(struct plan *p, struct plan_candidate *c, double least)
+static void say_why(struct plan_candidate *c, double least)
 {
-    const double price = plan_price(p, &c->pilot);
+    const double price = plan_price(&c->pilot);
     if (is_tailed(c))
         rule(
             c, PLAN_TAILED,
@@ -238,17 +267,17 @@ static void choose_by_pilots(struct plan *p)
     double least = (double)__builtin_inff();
     int best = PLAN_REAL;
     for (int k = 0; k < PLAN_REAL; k++) {
-        const double price = plan_price(p, &p->candidates[k].pilot);
+        const double price = plan_price(&p->candidates[k].pilot);
         least = is_rival(&p->candidates[k]) && price < least ? price : least;
     }
     for (int k = PLAN_REAL; k-- > 0;)
-        if (is_rival(&p->candidates[k]) && plan_price(p, &p->candidates[k].pilot) <= CLOSE * least)
+        if (is_rival(&p->candidates[k]) && plan_price(&p->candidates[k].pilot) <= CLOSE * least)
             best = k;
     const bool by_pilot = best < PLAN_REAL;
     p->chosen = by_pilot ? (enum plan_candidate_kind)best : PLAN_PATH_MIS;
     for (int k = 0; k < PLAN_REAL; k++)
         if (p->candidates[k].tried)
-            say_why(p, &p->candidates[k], least);
+            say_why(&p->candidates[k], least);
     rule(&p->candidates[p->chosen], PLAN_CHOSEN, "%s",
          by_pilot ? "the simplest within 5 % of the least variance x work"
                   : "all that were tried have heavy tails: the one that is wrong the least");
@@ -257,7 +286,7 @@ static void choose_by_pilots(struct plan *p)
 void plan_choose(struct plan *p)
 {
     struct plan_candidate *usual = &p->candidates[PLAN_PATH_MIS];
-    if (p->pilot_pixels > 0)
+    if (p->pilot_pixels > 0 && !p->is_alone)
         choose_by_pilots(p);
     else
         rule(usual, PLAN_CHOSEN, "the usual method: %s", p->why_no_pilot);

@@ -7,8 +7,8 @@
  *     plan_print      all of it as JSON (docs/plan.md)
  *
  * Classes of light are named in Heckbert's notation, from the light to the eye: D a scattering into
- * many directions, S into a single one. A method that cannot find a class with more than half of
- * the error asked for, as a share of the image's light, is insufficient.
+ * many directions, S into a single one. A method that leaves out light that others find is
+ * insufficient. What no method finds is said.
  *
  * A plan is a pure function of document and assets: it is made of counted work, not of time.
  * SPDX-License-Identifier: MIT */
@@ -21,7 +21,7 @@
 enum {
     PLAN_VERSION = 1,
     PLAN_WHY = 160,         /* bytes of a reason */
-    PLAN_PILOT_SPP = 64,    /* of a pixel of a pilot: 8 of each replicate */
+    PLAN_LEAST_PIXELS = 32, /* of a pilot */
     PLAN_MAX_BYTES = 16384, /* of a printed plan */
 };
 
@@ -124,7 +124,6 @@ struct plan_pilot {
     double variance; /* of a sample, relative to the squares of pixels */
     double slope;    /* of the squared error over samples, log by log, from -1.5 to -1 */
     double work;     /* units of a sample */
-    double bias;     /* squared and relative, like the variance */
     double spp;      /* samples of a pixel to the target, by all these */
     double tail;     /* share of the variance in the worst fiftieth of the pixels */
     double thin;     /* share of pixels whose light is that of very few samples */
@@ -156,6 +155,8 @@ struct plan {
     double studied;                    /* units that the study has taken, with its pilots */
 
     uint32_t pilot_pixels; /* 0: none, and why_no_pilot says why */
+    uint32_t pilot_spp;
+    bool is_alone; /* the usual method is the only candidate: its pilot is for the forecast */
     char why_no_pilot[PLAN_WHY];
     struct plan_candidate candidates[PLAN_CANDIDATES];
     enum plan_candidate_kind chosen;
@@ -164,6 +165,14 @@ struct plan {
 };
 
 const char *plan_candidate_name(enum plan_candidate_kind);
+
+/* Methods as documents name them. plan_find: PLAN_REAL when there is none of these names. */
+struct plan_names {
+    const char *integrator, *strategy;
+};
+
+struct plan_names plan_names(enum plan_candidate_kind); /* below PLAN_REAL */
+enum plan_candidate_kind plan_find(const char *integrator, const char *strategy);
 struct plan_method plan_method_of(const struct plan *, enum plan_candidate_kind);
 
 /* --- the steps --- */
@@ -175,6 +184,10 @@ void plan_init(struct plan *, const struct scene_settings *, uint64_t pixels);
  * (verdict PLAN_DEARER until plan_choose) and pilot_pixels. */
 void plan_consider(struct plan *, bool may_pilot);
 
+/* Pixels of pilots that are small beside a job of so many samples of a pixel; *spp: their own.
+ * Below PLAN_LEAST_PIXELS: they are not worth it. */
+uint32_t plan_fit(const struct plan *, double job_spp, uint32_t *spp);
+
 static inline bool plan_wants(const struct plan *p, enum plan_candidate_kind k)
 {
     return p->pilot_pixels > 0 && p->candidates[k].verdict == PLAN_DEARER;
@@ -183,9 +196,8 @@ static inline bool plan_wants(const struct plan *p, enum plan_candidate_kind k)
 /* After the pilots. */
 void plan_choose(struct plan *);
 
-/* What methods are compared by: variance x work, more for one that is off by some of the error
- * already; infinite for one that is off by all of it. */
-double plan_price(const struct plan *, const struct plan_pilot *);
+/* What methods are compared by: variance x work. */
+double plan_price(const struct plan_pilot *);
 
 /* --- in words --- */
 

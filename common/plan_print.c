@@ -90,14 +90,13 @@ static void print_candidate(const struct plan *p, enum plan_candidate_kind k, st
         verdicts[c->verdict], c->why);
     say_number(out, "lacks", c->lacks);
     if (c->tried) {
-        say(out, ", \"pilot\": {\"spp\": %d", PLAN_PILOT_SPP);
+        say(out, ", \"pilot\": {\"spp\": %u", p->pilot_spp);
         say_number(out, "variance", c->pilot.variance);
         say_number(out, "slope", c->pilot.slope);
         say_number(out, "units_per_sample", c->pilot.work);
-        say_number(out, "bias", c->pilot.bias);
         say_number(out, "tail", c->pilot.tail);
         say_number(out, "thin", c->pilot.thin);
-        say_number(out, "price", plan_price(p, &c->pilot));
+        say_number(out, "price", plan_price(&c->pilot));
         say(out, "}");
     }
     say(out, "}");
@@ -118,24 +117,20 @@ static void print_missing(const struct plan *p, struct buf *out)
     say(out, "}, \"sufficient\": %s", bool_text(p->candidates[p->chosen].lacks <= p->error / 2));
 }
 
-static void print_method(struct plan_method m, struct buf *out)
+static void print_method(const struct plan *p, struct buf *out)
 {
-    static const char *const integrators[] = {[INTEGRATOR_PATH] = "path",
-                                              [INTEGRATOR_DIRECT] = "direct",
-                                              [INTEGRATOR_WHITTED] = "whitted"};
-    static const char *const strategies[] = {
-        [STRATEGY_MIS] = "mis", [STRATEGY_LIGHT] = "light", [STRATEGY_BSDF] = "bsdf"};
     static const char *const samplers[] = {[SAMPLER_SOBOL] = "sobol",
                                            [SAMPLER_INDEPENDENT] = "independent",
                                            [SAMPLER_STRATIFIED] = "stratified"};
+    const struct plan_names n = plan_names(p->chosen);
     say(out, "\"method\": {\"integrator\": \"%s\", \"strategy\": \"%s\", \"sampler\": \"%s\"}",
-        integrators[m.integrator], strategies[m.strategy], samplers[m.sampler]);
+        n.integrator, n.strategy, samplers[p->sampler]);
 }
 
 void plan_print(const struct plan *p, struct buf *out)
 {
     say(out, "{\"version\": %d, ", PLAN_VERSION);
-    print_method(plan_method_of(p, p->chosen), out);
+    print_method(p, out);
     say(out, ", \"why\": \"%s\", ", p->candidates[p->chosen].why);
     print_missing(p, out);
     say_number(out, "error", p->error);

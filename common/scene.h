@@ -364,7 +364,8 @@ struct light {
     };
 };
 
-enum integrator_kind { INTEGRATOR_PATH, INTEGRATOR_DIRECT, INTEGRATOR_WHITTED };
+/* AUTO: a plan says which, and with which strategy (plan.h). A stage of such a document is PATH's. */
+enum integrator_kind { INTEGRATOR_PATH, INTEGRATOR_DIRECT, INTEGRATOR_WHITTED, INTEGRATOR_AUTO };
 
 /* How light that lights and surfaces can both find is looked for. */
 enum strategy_kind { STRATEGY_MIS, STRATEGY_LIGHT, STRATEGY_BSDF };

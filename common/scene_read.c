@@ -106,7 +106,8 @@ static void read_method(struct scene_doc *doc, const struct scene_at *at,
 {
     static const char *const integrators[] = {[INTEGRATOR_PATH] = "path",
                                               [INTEGRATOR_DIRECT] = "direct",
-                                              [INTEGRATOR_WHITTED] = "whitted"};
+                                              [INTEGRATOR_WHITTED] = "whitted",
+                                              [INTEGRATOR_AUTO] = "auto"};
     static const char *const strategies[] = {
         [STRATEGY_MIS] = "mis", [STRATEGY_LIGHT] = "light", [STRATEGY_BSDF] = "bsdf"};
     static const char *const samplers[] = {[SAMPLER_SOBOL] = "sobol",
@@ -119,9 +120,12 @@ static void read_method(struct scene_doc *doc, const struct scene_at *at,
     if (scene_at_member(at, "sampler", &member))
         scene_doc_choice(doc, &member, samplers, countof(samplers), &sampler);
     if (scene_at_member(at, "strategy", &member) &&
-        scene_doc_choice(doc, &member, strategies, countof(strategies), &strategy) &&
-        integrator == INTEGRATOR_WHITTED && strategy != STRATEGY_LIGHT)
-        scene_doc_expected(doc, &member, ERR_INPUT, "\"light\" (\"whitted\" has no other)");
+        scene_doc_choice(doc, &member, strategies, countof(strategies), &strategy)) {
+        if (integrator == INTEGRATOR_WHITTED && strategy != STRATEGY_LIGHT)
+            scene_doc_expected(doc, &member, ERR_INPUT, "\"light\" (\"whitted\" has no other)");
+        if (integrator == INTEGRATOR_AUTO)
+            scene_doc_fault(doc, &member, ERR_INPUT, "\"auto\" chooses the strategy itself");
+    }
     out->integrator = (enum integrator_kind)integrator;
     out->strategy = (enum strategy_kind)strategy;
     out->sampler = (enum sampler_kind)sampler;

@@ -12,6 +12,7 @@
 
 struct image_facts {
     const char *job, *document, *target; /* target: JSON text */
+    const char *plan;                    /* JSON text; NULL or "": there is none */
     const char *digest;                  /* image_digest of the image */
     const char *report;                  /* JSON text, docs/http.md */
     float error;                         /* reached; +infinity: unknown */

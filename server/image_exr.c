@@ -62,6 +62,7 @@ static exr_result_t add_facts(exr_context_t f, const struct image_facts *x)
         {"smalti.job", x->job},
         {"smalti.document", x->document},
         {"smalti.target", x->target},
+        {"smalti.plan", x->plan},
         {"smalti.digest", x->digest},
         {"smalti.report", x->report},
     };
@@ -75,7 +76,8 @@ static exr_result_t add_facts(exr_context_t f, const struct image_facts *x)
     };
     exr_result_t r = exr_attr_set_chromaticities(f, 0, "chromaticities", &rec709);
     for (size_t i = 0; !r && i < countof(texts); i++)
-        r = exr_attr_set_string(f, 0, texts[i].name, texts[i].value);
+        if (texts[i].value && *texts[i].value)
+            r = exr_attr_set_string(f, 0, texts[i].name, texts[i].value);
     for (size_t i = 0; !r && i < countof(numbers); i++)
         r = exr_attr_set_float(f, 0, numbers[i].name, numbers[i].value);
     return r ? r : exr_attr_set_int(f, 0, "smalti.spp", (int32_t)x->spp);

@@ -122,6 +122,16 @@ static size_t workers_of(const struct server *s, const struct job *j)
     return n;
 }
 
+/* Of a job that is planned. */
+static json_t *method_json(const struct store_job *r)
+{
+    if (r->method < STORE_METHOD_PLANNED)
+        return json_null();
+    const struct plan_names n =
+        plan_names((enum plan_candidate_kind)(r->method - STORE_METHOD_PLANNED));
+    return json_pack("{s:s, s:s}", "integrator", n.integrator, "strategy", n.strategy);
+}
+
 static void add_identity(json_t *root, const struct job *j)
 {
     const struct store_job *r = &j->row;
@@ -141,6 +151,8 @@ static void add_identity(json_t *root, const struct job *j)
     json_object_set_new(root, "tile_px", json_integer(r->tile_px));
     json_object_set_new(root, "tiles", json_integer(j->tile_count));
     json_object_set_new(root, "target", target_json(&r->target));
+    json_object_set_new(root, "auto", json_boolean(r->method != STORE_METHOD_GIVEN));
+    json_object_set_new(root, "method", method_json(r));
 }
 
 static void add_progress(json_t *root, const struct job *j, int64_t now_ms)

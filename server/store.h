@@ -14,9 +14,10 @@
 #include "common/err.h"
 #include "common/film.h"
 #include "common/hash.h"
+#include "common/plan.h"
 #include "common/scene.h"
 
-/*      queued ----> running ----> done
+/*      queued ----> running ----> done ----> queued, for more
  *        |  ^         | ^  \
  *        v  |         v |   `---> failed      queued, running, paused ---> cancelled
  *       paused <----> paused
@@ -31,6 +32,13 @@ enum job_state {
 };
 
 enum { STORE_REASON = 512 };
+
+/* A job's method. */
+enum {
+    STORE_METHOD_GIVEN = 0,   /* by its document */
+    STORE_METHOD_OPEN = 1,    /* it is still to be planned */
+    STORE_METHOD_PLANNED = 2, /* + enum plan_candidate_kind */
+};
 
 struct store_failure {
     char reason[STORE_REASON]; /* "": none */
@@ -60,7 +68,9 @@ struct store_job {
     struct tile_rect crop;
     uint32_t layers;            /* of the film, layers.h */
     struct scene_target target; /* spp: the one settled on, once that is known */
-    bool settled;               /* a job with a seconds target has decided where to stop */
+    uint32_t method;            /* STORE_METHOD_... */
+    bool stratified; /* its samples are made for target.spp as submitted: it cannot go on beyond */
+    bool settled;    /* a job with a seconds target has decided where to stop */
     int64_t created_unix_ms, started_unix_ms, finished_unix_ms; /* 0: not yet */
     int64_t elapsed_ms;   /* running, from the first lease, up to the last time it was stored */
     uint64_t samples;     /* merged, over all pixels */

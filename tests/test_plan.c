@@ -44,7 +44,8 @@ static void rules(void)
     struct plan p = facts(.01);
     plan_consider(&p, true);
     ok(verdict(&p, PLAN_DIRECT) == PLAN_INSUFFICIENT, "direct: %s", p.candidates[PLAN_DIRECT].why);
-    ok(verdict(&p, PLAN_WHITTED) == PLAN_RULED_OUT, "whitted: %s", p.candidates[PLAN_WHITTED].why);
+    ok(verdict(&p, PLAN_WHITTED) == PLAN_INSUFFICIENT, "whitted: %s",
+       p.candidates[PLAN_WHITTED].why);
     ok(verdict(&p, PLAN_PATH_BSDF) == PLAN_RULED_OUT, "bsdf: %s", p.candidates[PLAN_PATH_BSDF].why);
     ok(plan_wants(&p, PLAN_PATH_LIGHT) && plan_wants(&p, PLAN_PATH_MIS),
        "a small light: light and mis are tried");
@@ -63,46 +64,47 @@ static void rules(void)
     p.features.emitters[PLAN_SURFACE] = 0;
     p.features.emitters[PLAN_POINT] = 1;
     plan_consider(&p, true);
-    ok(p.pilot_pixels == 0 && verdict(&p, PLAN_PATH_BSDF) == PLAN_RULED_OUT, "points alone: %s",
+    ok(p.is_alone && verdict(&p, PLAN_PATH_BSDF) == PLAN_RULED_OUT, "points alone: %s",
        p.why_no_pilot);
     p = facts(1);
     p.max_bounces = 1;
     plan_consider(&p, true);
-    ok(verdict(&p, PLAN_DIRECT) == PLAN_RULED_OUT && p.pilot_pixels == 0, "one bounce: %s",
+    ok(verdict(&p, PLAN_DIRECT) == PLAN_RULED_OUT && p.is_alone, "one bounce: %s",
        p.candidates[PLAN_DIRECT].why);
 }
 
 static void what_may_be_missing(void)
 {
     struct plan p = facts(1);
-    p.light.beyond_direct = .004;
-    p.light.beyond_direct_error = .0002;
+    p.light.beyond_direct = p.light.beyond_whitted = 0;
     plan_consider(&p, true);
-    ok(plan_wants(&p, PLAN_DIRECT), "0.4 %% of 0.5 %% allowed: direct is tried");
-    p.light.beyond_direct_error = .001;
+    ok(plan_wants(&p, PLAN_DIRECT) && plan_wants(&p, PLAN_WHITTED),
+       "nothing is left out: both are tried");
+    p.light.beyond_direct = 1e-6;
     plan_consider(&p, true);
-    ok(verdict(&p, PLAN_DIRECT) == PLAN_INSUFFICIENT, "not if it may be more");
-    p.light.beyond_direct_error = .0002;
-    p.is_asked = false;
-    plan_consider(&p, true);
-    ok(verdict(&p, PLAN_DIRECT) == PLAN_INSUFFICIENT, "nor if no error is asked for");
+    ok(verdict(&p, PLAN_DIRECT) == PLAN_INSUFFICIENT && plan_wants(&p, PLAN_WHITTED),
+       "a little is too much: %s", p.candidates[PLAN_DIRECT].why);
 }
 
 static void pilots_are_small(void)
 {
     struct plan p = facts(1);
     plan_consider(&p, true);
-    const double pilots = 2.0 * p.pilot_pixels * PLAN_PILOT_SPP * p.rough_work;
-    ok(p.pilot_pixels >= 64 && p.pilot_pixels % 4 == 0 && pilots <= .02 * p.expected,
+    const double pilots = 2.0 * p.pilot_pixels * p.pilot_spp * p.rough_work;
+    ok(p.pilot_pixels >= PLAN_LEAST_PIXELS && p.pilot_spp == 64 && p.pilot_pixels % 4 == 0 &&
+           pilots <= .01 * p.expected,
        "two pilots of %u pixels: %.2f %% of the work", p.pilot_pixels, 100 * pilots / p.expected);
     plan_consider(&p, false);
     ok(p.pilot_pixels == 0, "none: %s", p.why_no_pilot);
+    p.pixels = 200;
+    plan_consider(&p, true);
+    ok(p.pilot_pixels >= PLAN_LEAST_PIXELS && p.pilot_spp == 16, "of less work shorter ones");
     p = facts(1);
-    p.pixels = 300;
+    p.pixels = 30;
     plan_consider(&p, true);
     ok(p.pilot_pixels == 0, "none: %s", p.why_no_pilot);
     plan_choose(&p);
-    ok(p.chosen == PLAN_PATH_MIS && p.forecast == 1000.0 * 500 * 300,
+    ok(p.chosen == PLAN_PATH_MIS && p.forecast == 1000.0 * 500 * 30,
        "then it is path, mis, with the rough forecast");
     ok(p.forecast_low == p.forecast / 2 && p.forecast_high == p.forecast * 2, "and a wide range");
 }
@@ -133,14 +135,6 @@ static void choices(void)
     p.candidates[PLAN_PATH_MIS].verdict = p.candidates[PLAN_PATH_BSDF].verdict = PLAN_DEARER;
     plan_choose(&p);
     ok(p.chosen == PLAN_PATH_MIS, "all have tails: %s", p.candidates[PLAN_PATH_MIS].why);
-
-    const struct plan_pilot none = {.variance = 1, .work = 100, .bias = 0};
-    struct plan_pilot some = none;
-    some.bias = .5 * p.error * p.error;
-    ok(plan_price(&p, &some) == 2 * plan_price(&p, &none),
-       "half of the error gone: twice the price");
-    some.bias = 1.1 * p.error * p.error;
-    ok(isinf(plan_price(&p, &some)), "all of it gone: no price");
 }
 
 static void printed(void)

@@ -49,6 +49,7 @@ static struct store_job full_row(void)
     row.id = 0xffffffffffffffff;
     row.crop = (struct tile_rect){10, 20, 110, 190};
     row.layers = LAYER_ALBEDO | 3 << 8;
+    row.method = STORE_METHOD_PLANNED + PLAN_PATH_BSDF;
     row.state = JOB_PAUSED;
     row.priority = -100;
     row.settled = true;
@@ -70,6 +71,7 @@ static struct store_job full_row(void)
     row.keys[0] = (struct film_key){1, 2, 3};
     row.keys[1] = (struct film_key){4, 5, 6};
     row.image_version = 11;
+    row.stratified = true;
     row.report = (struct store_report){.1, .2, .3, .4, .5, .6, .7, {1, 2, 3, 4, 5, 6}, {6, 7}};
     hash_hex("x", 1, row.digest);
     row.checkpoint = 12;
@@ -85,8 +87,9 @@ static bool rows_equal(const struct store_job *a, const struct store_job *b)
            !strcmp(a->title, b->title) && a->state == b->state && a->priority == b->priority &&
            a->width_px == b->width_px && a->height_px == b->height_px && a->tile_px == b->tile_px &&
            !memcmp(&a->crop, &b->crop, sizeof a->crop) && a->layers == b->layers &&
-           a->target.error == b->target.error && a->target.spp == b->target.spp &&
-           a->target.seconds == b->target.seconds && a->settled == b->settled &&
+           a->method == b->method && a->target.error == b->target.error &&
+           a->target.spp == b->target.spp && a->target.seconds == b->target.seconds &&
+           a->settled == b->settled && a->stratified == b->stratified &&
            a->created_unix_ms == b->created_unix_ms && a->started_unix_ms == b->started_unix_ms &&
            a->finished_unix_ms == b->finished_unix_ms && a->elapsed_ms == b->elapsed_ms &&
            a->samples == b->samples && a->passes_done == b->passes_done &&
@@ -155,6 +158,8 @@ static void former_version(void)
                         "ALTER TABLE job DROP COLUMN degenerate;"
                         "ALTER TABLE job DROP COLUMN nonfinite;"
                         "ALTER TABLE job DROP COLUMN warnings;"
+                        "ALTER TABLE job DROP COLUMN method;"
+                        "ALTER TABLE job DROP COLUMN stratified;"
                         "DROP TABLE point; ALTER TABLE job DROP COLUMN layers; UPDATE job SET "
                         "tile_px = 33; PRAGMA "
                         "user_version = 1",
@@ -163,10 +168,11 @@ static void former_version(void)
     sqlite3_close(db);
     struct seen seen = {.count = 0};
     s = store_open(path_of("v1.db"), &err);
-    row.layers = 0;
+    row.layers = row.method = 0;
     row.tile_px = 40;
     row.report = report_none();
     *row.warnings = '\0';
+    row.stratified = false;
     ok(s && store_jobs(s, note, &seen, &err) && seen.count == 1 && rows_equal(&seen.jobs[0], &row),
        "and is read by this one %s", err.text);
     store_close(s);

@@ -255,6 +255,33 @@ function leftText(job) {
     return job.eta_seconds === null ? "Time left: not known yet." : `About ${duration(job.eta_seconds)} left.`;
 }
 
+// By job; null while it is on its way.
+const plans = new Map();
+
+function planOf(job) {
+    if (job.method !== null && !plans.has(job.id)) {
+        plans.set(job.id, null);
+        fetch(`/v1/jobs/${job.id}/plan`).then((reply) => reply.ok ? reply.json() : Promise.reject(reply.status))
+            .then((plan) => plans.set(job.id, plan), () => plans.delete(job.id));
+    }
+    return plans.get(job.id) ?? null;
+}
+
+function methodRows(job) {
+    if (!job.auto)
+        return [];
+    if (job.method === null)
+        return [["Method", "not planned yet"]];
+    const plan = planOf(job), rows = [["Method", `${job.method.integrator}, ${job.method.strategy}`]];
+    if (plan === null)
+        return rows;
+    const missing = Object.entries(plan.missing);
+    rows.push(["Chosen since it is", plan.why]);
+    if (missing.length)
+        rows.push(["Light that is missing", missing.map(([name, share]) => `${name}\u00a0${percent(share)}`).join(", ")]);
+    return rows;
+}
+
 function jobFacts(job) {
     const passes = job.tile_passes, leases = job.leases, bad = job.invalid_samples;
     const rows = [
@@ -265,6 +292,7 @@ function jobFacts(job) {
         ["Rate", job.samples_per_second === null ? "–" : `${big(job.samples_per_second)}\u00a0samples/s`],
         ["Workers on it", String(job.workers)],
         ["Target", targetText(job.target)],
+        ...methodRows(job),
         ["Time", `${duration(job.elapsed_seconds)}, ${duration(job.cpu_seconds)}\u00a0CPU`],
         ["Tile passes", `${passes.done} of ${passes.total}`],
     ];

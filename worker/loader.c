@@ -14,6 +14,7 @@
 #include "common/log.h"
 #include "common/scene_fill.h"
 #include "common/trace/prep.h"
+#include "common/trace/study.h"
 #include "worker/team.h"
 
 enum {
@@ -192,6 +193,20 @@ static void share(struct load *load, struct stagefile_claim *claim, struct story
     story->how = "prepared";
 }
 
+/* The method that a plan has chosen: in the page of the mapping that says it, which is then ours
+ * alone, or in a copy. */
+static void set_method(struct load *load)
+{
+    const struct plan plan = {.sampler = load->stage->settings.sampler};
+    const struct plan_method m = plan_method_of(&plan, load->method);
+    struct err err;
+    if (load->file.stage && stagefile_set_method(&load->file, m, &err))
+        return;
+    struct stage *copy = study_stage(load->stage, &load->arena);
+    study_set_method(copy, load->stage, m);
+    load->stage = copy;
+}
+
 static void run_load(struct loader *l, struct load *load)
 {
     const struct stagefile_ask ask = {l->cache, load->document, &l->stopped, PATIENCE_MS};
@@ -214,6 +229,8 @@ static void run_load(struct loader *l, struct load *load)
             stagefile_unclaim(&claim);
         story.share_ms = lap(&last_ms);
     }
+    if (load->done && load->method != PLAN_REAL)
+        set_method(load);
     if (load->done)
         log_info("scene_ready document=%.12s how=%s prims=%llu bytes=%llu ms=%lld wait_ms=%lld "
                  "load_ms=%lld prepare_ms=%lld share_ms=%lld",

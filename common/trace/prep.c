@@ -209,6 +209,8 @@ static bool check_lines(const struct prep_plan *p, struct err *err)
 /* Direct light is one scattering; Whitted's surfaces look for lights and for nothing else. */
 static void settle_method(struct scene_settings *s)
 {
+    if (s->integrator == INTEGRATOR_AUTO)
+        s->integrator = INTEGRATOR_PATH;
     if (s->integrator == INTEGRATOR_DIRECT)
         s->max_bounces = min_u32(s->max_bounces, 1);
     if (s->integrator == INTEGRATOR_WHITTED)

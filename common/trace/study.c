@@ -6,8 +6,6 @@
 #include "common/trace/study_parts.h"
 #include "common/trace/work.h"
 
-enum { MOST_PLACES = 1024, LEAST_PLACES = 16, PIXELS_PER_PLACE = 64 };
-
 static uint32_t side(uint32_t begin, uint32_t end)
 {
     return end - begin;
@@ -34,24 +32,16 @@ bool study_is_halted(const struct study *t)
     return t->halt && t->halt->is_wanted(t->halt->user);
 }
 
-/* Few places for few pixels: a study is to be small beside its job. */
-static uint32_t places_for(uint64_t pixels)
-{
-    const uint64_t places = pixels / PIXELS_PER_PLACE;
-    return places < LEAST_PLACES  ? LEAST_PLACES
-           : places < MOST_PLACES ? (uint32_t)places
-                                  : MOST_PLACES;
-}
-
 bool study_make(const struct stage *s, const struct study_halt *halt, struct arena *scratch,
                 struct plan *plan)
 {
     const struct scene_film *f = &s->film;
     const uint64_t pixels =
         (uint64_t)side(f->crop_x_begin, f->crop_x_end) * side(f->crop_y_begin, f->crop_y_end);
-    struct study t = {.stage = s, .halt = halt, .plan = plan, .places = places_for(pixels)};
+    struct study t = {.stage = s, .halt = halt, .plan = plan};
     plan_init(plan, &s->settings, pixels);
-    if (!study_features(&t) || !study_eye(&t) || !study_light(&t) || !study_pilots(&t, scratch))
+    if (!study_rough(&t, scratch) || !study_features(&t) || !study_eye(&t) || !study_light(&t) ||
+        !study_pilots(&t, scratch))
         return false;
     plan->studied += (double)work_units(s, &t.work);
     plan_choose(plan);

@@ -19,8 +19,8 @@
 
 #define STUDY_MOST_BYTES ((uint64_t)1 << 30)
 
-/* The stage: of any method. halt: NULL, or looked at now and then; once it says so the study
- * ends, and false is returned, the plan unfinished. */
+/* The stage: of a document with "auto". halt: NULL, or looked at now and then; once it says so the
+ * study ends, and false is returned, the plan unfinished. */
 struct study_halt {
     bool (*is_wanted)(const void *user);
     const void *user;
@@ -29,7 +29,8 @@ struct study_halt {
 bool study_make(const struct stage *, const struct study_halt *, struct arena *scratch,
                 struct plan *);
 
-/* A copy of the stage as prep_stage would have made it of a document with that method. */
+/* A copy, and the copy as prep_stage would have made it of a document with that method. `of` is the
+ * stage that study_make takes, or, the first time, the copy itself. */
 struct stage *study_stage(const struct stage *, struct arena *);
 void study_set_method(struct stage *copy, const struct stage *of, struct plan_method);
 

@@ -15,8 +15,20 @@ enum {
     FIRST_SPP = 16, /* of a pilot: where its slope begins */
     TAIL_PART = 50, /* one in so many pixels is of the tail */
     MOST_TAIL = 128,
+    FIRST_BLOCKS = 16,
+    LEAST_PLACES = 16,
+    MOST_PLACES = 1024,
+    PLACE_SAMPLES = 24,
     THIN = 3, /* of eight replicates, so few have found the light */
 };
+
+/* Of the squared error over samples, log by log: what whole images of the corpus have from 8
+ * samples to 1024 (bench_planner). A pilot's own slope, from 16 to 64, is twice as far from -1 as
+ * what comes after. */
+#define ROUGH_SLOPE (-1.1)
+#define STEEPEST    (-1.5)
+
+#define STUDY_SHARE 0.005 /* of the samples that are expected */
 
 #define FLOOR 0.01 /* of the mean: relative to less than that no error counts (estimate.h) */
 
@@ -26,6 +38,7 @@ struct pixel {
     double square[3];                     /* after all */
     double mean[3];
     double scale[3]; /* what squared errors are relative to */
+    double units;    /* of work */
 };
 
 struct shot {
@@ -91,6 +104,7 @@ static void shoot_block(struct shot *shot, struct film_samples *samples, uint32_
     samples->rect = square_rect(shot->stage, block);
     const uint32_t pixels = tile_rect_pixels(samples->rect);
     struct pixel *to = shot->pixels + shot->count;
+    const uint64_t before = samples->work.units;
     memset(to, 0, pixels * sizeof *to);
     const uint32_t first = min_u32(FIRST_SPP, shot->spp);
     render(shot->stage, samples, (struct tile_pass){0, first}, to);
@@ -99,6 +113,7 @@ static void shoot_block(struct shot *shot, struct film_samples *samples, uint32_
     if (first < shot->spp)
         render(shot->stage, samples, (struct tile_pass){first, shot->spp}, to);
     for (uint32_t i = 0; i < pixels; i++) {
+        to[i].units = (double)(samples->work.units - before) / pixels;
         judge(to[i].replicate, shot->spp, to[i].square, to[i].mean);
         for (int r = 0; r < FILM_REPLICATES; r++)
             for (int c = 0; c < 3; c++)
@@ -185,20 +200,22 @@ static void tail_note(struct tail *t, double v)
 static double slope_of(double early, double late, uint32_t spp)
 {
     if (!(early > 0) || !(late > 0) || spp <= FIRST_SPP)
-        return -1;
-    const double slope = fmath_log2(late / early) / fmath_log2((double)spp / FIRST_SPP);
-    return slope > -1 ? -1 : slope < -1.5 ? -1.5 : slope;
+        return ROUGH_SLOPE;
+    const double measured = fmath_log2(late / early) / fmath_log2((double)spp / FIRST_SPP);
+    const double slope = -1 + 0.5 * (measured + 1);
+    return slope > -1 ? -1 : slope < STEEPEST ? STEEPEST : slope;
 }
 
 /* Errors are relative to what `usual` has found. */
 static struct plan_pilot sum_up(const struct shot *shot, const struct shot *usual)
 {
-    double all = 0, early = 0, worst = 0;
+    double all = 0, early = 0, worst = 0, units = 0;
     uint32_t thin = 0;
     struct tail tail = {.most = min_u32(shot->count / TAIL_PART + 1, MOST_TAIL)};
     for (uint32_t i = 0; i < shot->count; i++) {
         const double e = relative(shot->pixels[i].square, usual->pixels[i].scale);
         all += e;
+        units += shot->pixels[i].units;
         early += relative(shot->pixels[i].early, usual->pixels[i].scale);
         thin += is_thin(&shot->pixels[i]);
         tail_note(&tail, e);
@@ -208,56 +225,36 @@ static struct plan_pilot sum_up(const struct shot *shot, const struct shot *usua
     return (struct plan_pilot){
         .variance = all / (3.0 * shot->count) * shot->spp,
         .slope = slope_of(early, all, shot->spp),
-        .work = (double)work_units(shot->stage, &shot->work) / ((double)shot->count * shot->spp),
+        .work = units / ((double)shot->count * shot->spp),
         .tail = all > 0 ? worst / all : 0,
         .thin = (double)thin / shot->count,
     };
 }
 
-/* The squared difference of two methods' means, less what it would be by their noise. They share
- * their random numbers, so that most of that is gone beforehand. */
-static double bias_of(const struct shot *shot, const struct shot *usual)
-{
-    double sum = 0;
-    for (uint32_t i = 0; i < shot->count; i++) {
-        const struct pixel *a = &shot->pixels[i], *b = &usual->pixels[i];
-        for (int c = 0; c < 3; c++) {
-            double mean = 0, square = 0;
-            for (int r = 0; r < FILM_REPLICATES; r++)
-                mean += (a->replicate[r][c] - b->replicate[r][c]) / FILM_REPLICATES;
-            for (int r = 0; r < FILM_REPLICATES; r++) {
-                const double off = a->replicate[r][c] - b->replicate[r][c] - mean;
-                square += off * off / (FILM_REPLICATES * (FILM_REPLICATES - 1));
-            }
-            sum += (mean * mean - square) / b->scale[c] / (3.0 * shot->count);
-        }
-    }
-    return sum > 0 ? sum : 0;
-}
-
-/* Until the error is what is left of it beside the bias; a document without an error says itself
- * how many samples. */
+/* A document without an error says itself how many samples. */
 static double spp_for(const struct plan *plan, const struct plan_pilot *p, uint32_t spp)
 {
-    const double left = plan->error * plan->error - p->bias;
+    const double square = p->variance / spp / (plan->error * plan->error); /* times too large */
     if (!plan->is_asked)
         return plan->spp;
-    if (!(left > 0) || !(p->variance > 0))
-        return left > 0 ? FILM_REPLICATES : plan->spp;
-    const double doublings = fmath_log2(p->variance / spp / left) / -p->slope;
+    if (!(square > 0))
+        return FILM_REPLICATES;
+    const double doublings = fmath_log2(square) / -p->slope;
     const double n = spp * fmath_exp2(doublings < 40 ? doublings > -40 ? doublings : -40 : 40);
     return n < FILM_REPLICATES ? FILM_REPLICATES : n < plan->spp ? n : plan->spp;
 }
 
 /* --- the candidates --- */
 
-static bool rough(struct study *t, struct arena *arena)
+/* By the usual method. */
+static bool look(struct study *t, uint32_t blocks, struct arena *arena)
 {
-    struct shot shot = {.blocks = t->places / 4, .spp = ROUGH_SPP};
+    struct shot shot = {.blocks = blocks, .spp = ROUGH_SPP};
     if (!shoot(t, t->stage, &shot, arena))
         return false;
     set_scales(&shot);
-    const struct plan_pilot p = sum_up(&shot, &shot);
+    struct plan_pilot p = sum_up(&shot, &shot);
+    p.slope = ROUGH_SLOPE;
     t->plan->rough_variance = p.variance;
     t->plan->rough_work = p.work;
     t->plan->rough_spp = spp_for(t->plan, &p, ROUGH_SPP);
@@ -265,9 +262,21 @@ static bool rough(struct study *t, struct arena *arena)
     return true;
 }
 
-static bool is_biased(enum plan_candidate_kind k)
+/* A study is to be small beside its job, so the job is looked at first: a place costs it about
+ * PLACE_SAMPLES samples. */
+static uint32_t places_for(const struct plan *p)
 {
-    return k == PLAN_DIRECT || k == PLAN_WHITTED;
+    const double samples = p->rough_spp * (double)p->pixels;
+    const double fit = samples * STUDY_SHARE / PLACE_SAMPLES;
+    return fit < LEAST_PLACES ? LEAST_PLACES : fit < MOST_PLACES ? (uint32_t)fit : MOST_PLACES;
+}
+
+bool study_rough(struct study *t, struct arena *arena)
+{
+    if (!look(t, FIRST_BLOCKS, arena))
+        return false;
+    t->places = places_for(t->plan);
+    return t->places / 4 <= FIRST_BLOCKS || look(t, t->places / 4, arena);
 }
 
 static bool pilot(struct study *t, struct stage *copy, enum plan_candidate_kind k,
@@ -280,26 +289,47 @@ static bool pilot(struct study *t, struct stage *copy, enum plan_candidate_kind 
     if (shot == usual)
         set_scales(shot);
     c->pilot = sum_up(shot, usual);
-    c->pilot.bias = is_biased(k) ? bias_of(shot, usual) : 0;
-    c->pilot.spp = spp_for(t->plan, &c->pilot, PLAN_PILOT_SPP);
+    c->pilot.spp = spp_for(t->plan, &c->pilot, shot->spp);
     c->tried = true;
     t->plan->studied += (double)work_units(copy, &shot->work);
     return true;
 }
 
+/* What the usual method needs by its own pilot may be much less than was thought. So a quarter of
+ * the pilot comes first, and says how large it may be. */
+static bool pilot_usual(struct study *t, struct stage *copy, struct shot *usual,
+                        struct arena *arena)
+{
+    struct plan *plan = t->plan;
+    const uint32_t most = plan->pilot_pixels / (BLOCK * BLOCK);
+    const uint32_t least = PLAN_LEAST_PIXELS / (BLOCK * BLOCK);
+    struct shot first = {.blocks = max_u32(most / 4, least), .spp = plan->pilot_spp};
+    uint32_t spp;
+    if (!pilot(t, copy, PLAN_PATH_MIS, &first, &first, arena))
+        return false;
+    *usual = first;
+    const uint32_t pixels = plan_fit(plan, plan->candidates[PLAN_PATH_MIS].pilot.spp, &spp);
+    const double fit = (double)pixels * spp / plan->pilot_spp / (BLOCK * BLOCK);
+    const double between = __builtin_sqrt(fit * most); /* either may be far off */
+    const uint32_t blocks = between < most ? (uint32_t)between : most;
+    if (blocks <= first.blocks)
+        return true;
+    *usual = (struct shot){.blocks = blocks, .spp = plan->pilot_spp};
+    return pilot(t, copy, PLAN_PATH_MIS, usual, usual, arena);
+}
+
 bool study_pilots(struct study *t, struct arena *arena)
 {
     struct plan *plan = t->plan;
-    if (!rough(t, arena))
-        return false;
+    struct shot usual;
     plan_consider(plan, t->stage->bytes <= STUDY_MOST_BYTES);
     if (plan->pilot_pixels == 0)
         return true;
     struct stage *copy = study_stage(t->stage, arena);
-    const uint32_t blocks = plan->pilot_pixels / (BLOCK * BLOCK);
-    struct shot usual = {.blocks = blocks, .spp = PLAN_PILOT_SPP}, shot = usual;
-    if (!pilot(t, copy, PLAN_PATH_MIS, &usual, &usual, arena))
+    if (!pilot_usual(t, copy, &usual, arena))
         return false;
+    plan->pilot_pixels = usual.count;
+    struct shot shot = {.blocks = usual.blocks, .spp = usual.spp};
     for (int k = 0; k < PLAN_REAL; k++)
         if (k != PLAN_PATH_MIS && plan_wants(plan, (enum plan_candidate_kind)k) &&
             !pilot(t, copy, (enum plan_candidate_kind)k, &shot, &usual, arena))
