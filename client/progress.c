@@ -53,6 +53,10 @@ void progress_text(const struct remote_job *job, char *out, size_t bytes)
     add(&t, "%3d %%  %u spp", percent(job), job->spp);
     if (job->error >= 0)
         add(&t, "  error %.3g", job->error);
+    if (job->error >= 0 && job->error_high > 0)
+        add(&t, " (%.3g to %.3g)", job->error_low, job->error_high);
+    if (job->error >= 0 && job->untrusted >= .0005)
+        add(&t, "  %.1f %% untrusted", 100 * job->untrusted);
     if (job->rate > 0)
         add_rate(&t, job->rate);
     if (job->workers)

@@ -121,6 +121,17 @@ static bool read_state(const json_t *root, enum remote_state *state)
     return false;
 }
 
+/* What the report says of the error: an interval of two numbers, and the pixels it holds for. */
+static void read_report(const json_t *report, struct remote_job *job)
+{
+    const json_t *interval = json_object_get(json_object_get(report, "error"), "interval");
+    const double trusted = number_or(json_object_get(report, "pixels"), "trusted", -1);
+    const bool known = json_array_size(interval) == 2;
+    job->error_low = known ? json_number_value(json_array_get(interval, 0)) : -1;
+    job->error_high = known ? json_number_value(json_array_get(interval, 1)) : -1;
+    job->untrusted = trusted < 0 ? -1 : 1 - trusted;
+}
+
 static bool read_job(const json_t *root, struct remote_job *job, struct err *err)
 {
     *job = (struct remote_job){
@@ -136,6 +147,7 @@ static bool read_job(const json_t *root, struct remote_job *job, struct err *err
         .samples = whole(root, "samples"),
         .invalid_samples = whole(json_object_get(root, "invalid_samples"), "count"),
     };
+    read_report(json_object_get(root, "report"), job);
     copy(job->id, sizeof job->id, root, "id");
     copy(job->title, sizeof job->title, root, "title");
     copy(job->digest, sizeof job->digest, json_object_get(root, "image"), "digest");
@@ -298,6 +310,26 @@ bool remote_has_asset(struct remote *r, const char hex[HASH_HEX], bool *here, st
     if (*here)
         buf_release(&reply.body);
     return *here || err->code == ERR_NOT_FOUND;
+}
+
+bool remote_get_asset(struct remote *r, const char *hex, size_t max_bytes, struct buf *out,
+                      struct err *err)
+{
+    char path[96], found[HASH_HEX];
+    snprintf(path, sizeof path, "/v1/assets/%s", hex);
+    struct http_client_request request = simple("GET", path);
+    request.max_bytes = max_bytes;
+    request.timeout_ms = 0;
+    struct http_client_reply reply;
+    if (!call(r, request, &reply, err))
+        return false;
+    hash_hex(reply.body.data ? reply.body.data : (const unsigned char *)"", reply.body.size, found);
+    if (strcmp(found, hex) != 0) {
+        buf_release(&reply.body);
+        return err_set(err, ERR_PROTOCOL, "the bytes that came have the SHA-256 %s", found);
+    }
+    *out = reply.body;
+    return true;
 }
 
 bool remote_put_asset(struct remote *r, const char hex[HASH_HEX], const struct buf *bytes,

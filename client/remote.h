@@ -30,8 +30,10 @@ struct remote_job {
     char id[17];
     char title[129];
     enum remote_state state;
-    double progress;    /* of the nearest target, 0 to 1 */
-    double error;       /* < 0: not known yet */
+    double progress;              /* of the nearest target, 0 to 1 */
+    double error;                 /* < 0: not known yet */
+    double error_low, error_high; /* its 95 % interval; < 0: not known */
+    double untrusted;   /* share of pixels whose error bars are not to be trusted; < 0: not known */
     double rate;        /* samples per second; < 0: not known */
     double eta_seconds; /* < 0: not known */
     double elapsed_seconds, cpu_seconds;
@@ -85,6 +87,9 @@ bool remote_fetch(struct remote *, const char *id, const char *what, struct buf 
 
 /* Assets, by the SHA-256 of their bytes. */
 bool remote_has_asset(struct remote *, const char hex[HASH_HEX], bool *here,
+                      struct err *) MUST_CHECK;
+/* Appended to the empty `out`; its hash was checked. */
+bool remote_get_asset(struct remote *, const char *hex, size_t max_bytes, struct buf *out,
                       struct err *) MUST_CHECK;
 bool remote_put_asset(struct remote *, const char hex[HASH_HEX], const struct buf *bytes,
                       struct err *) MUST_CHECK;

@@ -11,8 +11,10 @@
 #include "common/clock.h"
 #include "server/body.h"
 #include "server/problem.h"
+#include "server/report.h"
 #include "server/server.h"
 #include "server/status.h"
+#include "server/status_warnings.h"
 
 enum { MAX_PRIORITY = 100, MAX_LIST = 200, LIST = 50 };
 
@@ -103,11 +105,13 @@ static struct store_job row_of(const struct server *s, const struct scene *scene
             scene->settings.integrator == INTEGRATOR_AUTO ? STORE_METHOD_OPEN : STORE_METHOD_GIVEN,
         .created_unix_ms = clock_unix_ms(),
         .error = -1,
+        .report = report_none(),
     };
     do
         server_random(&row.id, sizeof row.id);
     while (!row.id || server_job_find(s, row.id));
     snprintf(row.title, sizeof row.title, "%s", scene->title);
+    status_warnings_print(scene, row.warnings, sizeof row.warnings);
     return row;
 }
 

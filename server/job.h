@@ -35,8 +35,8 @@ enum slot_state { SLOT_READY, SLOT_LEASED, SLOT_HELD, SLOT_SHUNNED };
 
 struct job_held { /* a payload that came early */
     uint64_t cpu_us;
-    struct film_samples samples; /* samples.sums is `sums`, layer_sums what follows */
-    float sums[];
+    struct film_samples samples; /* its arrays: `blocks`, then sums, then layer_sums */
+    struct block blocks[];
 };
 
 struct job_slot {

@@ -35,31 +35,14 @@ static struct writer_task *task_new(const struct server *s, struct job *j, unsig
     return t;
 }
 
-static void film_copy(struct film *to, const struct film *from)
-{
-    const size_t pixels = tile_rect_pixels(from->window);
-    struct film copy;
-    film_init(&copy, from->window);
-    film_add_layers(&copy, from->layers);
-    memcpy(copy.sum, from->sum, pixels * 3 * sizeof *copy.sum);
-    memcpy(copy.replicate, from->replicate, pixels * FILM_CHANNELS * sizeof *copy.replicate);
-    memcpy(copy.spp, from->spp, pixels * sizeof *copy.spp);
-    if (from->layer)
-        memcpy(copy.layer, from->layer,
-               pixels * layers_channels(from->layers) * sizeof *copy.layer);
-    *to = *from;
-    to->sum = copy.sum;
-    to->replicate = copy.replicate;
-    to->spp = copy.spp;
-    to->layer = copy.layer;
-}
-
 static void film_move(struct film *to, struct film *from)
 {
     *to = *from;
     from->sum = NULL;
     from->replicate = NULL;
     from->spp = NULL;
+    from->blocks = NULL;
+    from->variance = NULL;
     from->layer = NULL;
 }
 
@@ -161,6 +144,7 @@ static void note_image(struct job *j, const struct writer_task *t)
 {
     j->row.image_version++;
     j->row.error = t->error;
+    j->row.report = t->snapshot.row.report;
     job_touch(j);
 }
 
@@ -174,6 +158,7 @@ static bool finish(struct server *s, struct writer_task *t)
     row.checkpoint = t->snapshot.generation;
     row.image_version++;
     row.error = t->error;
+    row.report = t->snapshot.row.report;
     memcpy(row.digest, t->digest, sizeof row.digest);
     if (!store_job_save(s->store, &row, &t->err))
         return false;
@@ -197,9 +182,11 @@ static void try_again(struct server *s, struct writer_task *t)
     }
 }
 
-static void judge(struct server *s, struct job *j, double error)
+static void judge(struct server *s, struct job *j, const struct writer_task *t)
 {
+    const double error = t->error;
     j->row.error = error;
+    j->row.report = t->snapshot.row.report;
     job_touch(j);
     if (error >= 0 && error <= j->row.target.error)
         j->reached = true;
@@ -228,7 +215,7 @@ static void note_parts(struct server *s, const struct writer_task *t)
     if (t->parts & (WRITER_FILM | WRITER_IMAGE))
         server_job_save(s, j);
     if (t->parts & WRITER_ERROR && merge_wants_judge(j) && !s->stopping)
-        judge(s, j, t->error);
+        judge(s, j, t);
 }
 
 void output_written(struct server *s, struct writer_task *t)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "server/server.h"
+#include "server/report.h"
 
 #include <assert.h>
 #include <fcntl.h>
@@ -138,6 +139,7 @@ static void counters_reset(struct store_job *row)
     row->samples = row->passes_done = row->cpu_us = row->invalid_count = 0;
     row->spp_done = row->key_count = 0;
     row->error = -1;
+    row->report = report_none();
 }
 
 static void film_load(struct server *s, struct job *j)

@@ -5,6 +5,8 @@
 
 #include <jansson.h>
 
+#include "server/status_report.h"
+
 static json_t *number_or_null(bool known, double v)
 {
     return known ? json_real(v) : json_null();
@@ -86,16 +88,6 @@ static json_t *target_json(const struct scene_target *t)
                      (json_int_t)t->spp, "seconds", number_or_null(t->seconds > 0, t->seconds));
 }
 
-static json_t *invalid_json(const struct store_job *row)
-{
-    json_t *keys = json_array();
-    for (uint32_t i = 0; i < row->key_count; i++)
-        json_array_append_new(keys, json_pack("[I,I,I]", (json_int_t)row->keys[i].x_px,
-                                              (json_int_t)row->keys[i].y_px,
-                                              (json_int_t)row->keys[i].sample));
-    return json_pack("{s:I, s:o}", "count", (json_int_t)row->invalid_count, "keys", keys);
-}
-
 static json_t *failure_json(const struct job *j)
 {
     const struct store_failure *f = &j->row.failure;
@@ -108,6 +100,12 @@ static json_t *failure_json(const struct job *j)
         return json_pack("{s:o, s:n, s:n, s:n}", "reason", reason, "tile", "rect", "pass");
     return json_pack("{s:o, s:I, s:o, s:I}", "reason", reason, "tile", (json_int_t)f->tile, "rect",
                      rect_json(tile_rect_of(&j->grid, f->tile)), "pass", (json_int_t)f->pass);
+}
+
+static json_t *warnings_json(const struct store_job *r)
+{
+    json_t *list = json_loads(r->warnings, 0, NULL);
+    return json_is_array(list) ? list : json_array();
 }
 
 static size_t workers_of(const struct server *s, const struct job *j)
@@ -183,13 +181,15 @@ json_t *status_job(const struct server *s, const struct job *j)
     add_identity(root, j);
     add_progress(root, j, s->now_ms);
     json_object_set_new(root, "workers", json_integer((json_int_t)workers_of(s, j)));
-    json_object_set_new(root, "invalid_samples", invalid_json(r));
+    json_object_set_new(root, "invalid_samples", status_report_invalid(r));
     json_object_set_new(root, "leases",
                         json_pack("{s:I, s:I, s:I, s:I}", "granted", (json_int_t)r->granted,
                                   "expired", (json_int_t)r->expired, "returned",
                                   (json_int_t)r->returned, "duplicates",
                                   (json_int_t)r->duplicates));
+    json_object_set_new(root, "report", status_report(r));
     json_object_set_new(root, "failure", failure_json(j));
+    json_object_set_new(root, "warnings", warnings_json(r));
     json_object_set_new(root, "image",
                         json_pack("{s:I, s:o}", "version", (json_int_t)r->image_version, "digest",
                                   *r->digest ? json_string(r->digest) : json_null()));
@@ -200,9 +200,12 @@ json_t *status_job(const struct server *s, const struct job *j)
 
 static json_t *point_json(const struct store_point *p)
 {
-    return json_pack("{s:I, s:I, s:f, s:f, s:f}", "samples", (json_int_t)p->samples, "spp",
-                     (json_int_t)p->spp, "seconds", (double)p->elapsed_ms / 1000, "cpu_seconds",
-                     (double)p->cpu_us / 1e6, "error", p->error);
+    json_t *interval =
+        p->error_low < 0 ? json_null() : json_pack("[f,f]", p->error_low, p->error_high);
+    return json_pack("{s:I, s:I, s:I, s:f, s:f, s:f, s:o}", "samples", (json_int_t)p->samples,
+                     "spp", (json_int_t)p->spp, "units", (json_int_t)p->units, "seconds",
+                     (double)p->elapsed_ms / 1000, "cpu_seconds", (double)p->cpu_us / 1e6, "error",
+                     p->error, "interval", interval);
 }
 
 static json_t *forecast_json(const struct server *s, const struct job *j)

@@ -46,6 +46,17 @@ struct store_failure {
     uint32_t tile, pass;
 };
 
+enum { STORE_WARNINGS = 2048 };
+
+struct store_report {             /* report.h; of the film that the error is of */
+    double error_low, error_high; /* 95 % interval of the error; < 0: unknown */
+    double unknown, heavy; /* shares of pixels without trusted bars (evidence.h); < 0: unknown */
+    double energy;         /* mean luminance of the image */
+    double clamped, cut;   /* what settings.clamp and max_bounces have taken from that */
+    struct film_work work;
+    struct film_dropped dropped;
+};
+
 struct store_job {
     uint64_t id;     /* never 0 */
     uint64_t number; /* in order of submission, from 1; given by store_job_add */
@@ -65,6 +76,7 @@ struct store_job {
     uint64_t passes_done; /* merged, over all tiles */
     uint32_t spp_done;    /* every pixel has at least these */
     double error;         /* < 0: unknown */
+    struct store_report report;
     uint64_t cpu_us;
     uint64_t granted, expired, returned, duplicates; /* leases; results that came twice */
     uint64_t invalid_count;
@@ -74,6 +86,7 @@ struct store_job {
     char digest[HASH_HEX];  /* of the finished image; "" before */
     uint64_t checkpoint;    /* generation of the film on disk; 0: none */
     struct store_failure failure;
+    char warnings[STORE_WARNINGS]; /* status_warnings.h; "": none */
 };
 
 struct store_point {  /* of a job's curve (convergence.h) */
@@ -81,7 +94,8 @@ struct store_point {  /* of a job's curve (convergence.h) */
     uint32_t spp;
     int64_t elapsed_ms;
     uint64_t cpu_us;
-    double error;
+    uint64_t units;                      /* of work (common/film.h) */
+    double error, error_low, error_high; /* the ends of its 95 % interval; < 0: unknown */
 };
 
 struct store; /* opaque */

@@ -9,6 +9,8 @@
 #include "common/clock.h"
 #include "common/estimate.h"
 #include "server/image.h"
+#include "server/report.h"
+#include "server/status_report.h"
 
 enum { QUEUE = 64, PATIENCE_MS = 60000 };
 
@@ -43,7 +45,7 @@ static char *plan_text(const struct writer_task *t)
     return (char *)text.data;
 }
 
-static bool write_images(struct writer_task *t, const struct image *image)
+static bool write_files(struct writer_task *t, const struct image *image, const char *report)
 {
     const struct store_job *row = &t->snapshot.row;
     char path[DISK_PATH], job[24], target[160];
@@ -56,7 +58,12 @@ static bool write_images(struct writer_task *t, const struct image *image)
         .target = target,
         .plan = plan,
         .digest = t->digest,
+        .report = report,
         .error = t->error < 0 ? INFINITY : (float)t->error,
+        .error_low = row->report.error_low < 0 ? 0 : (float)row->report.error_low,
+        .error_high = row->report.error_low < 0 ? INFINITY : (float)row->report.error_high,
+        .unknown = (float)row->report.unknown,
+        .heavy = (float)row->report.heavy,
         .cpu_seconds = (float)((double)row->cpu_us / 1e6),
         .spp = row->spp_done,
     };
@@ -68,6 +75,15 @@ static bool write_images(struct writer_task *t, const struct image *image)
         return false;
     snprintf(path, sizeof path, "%s/preview.png", t->directory);
     return image_write_png(image, path, &t->err);
+}
+
+static bool write_images(struct writer_task *t, const struct image *image)
+{
+    const struct store_job *row = &t->snapshot.row;
+    char *report = status_report_text(row);
+    const bool ok = write_files(t, image, report);
+    free(report);
+    return ok;
 }
 
 void writer_run(struct writer_task *t)
@@ -83,6 +99,8 @@ void writer_run(struct writer_task *t)
     if (t->parts & (WRITER_ERROR | WRITER_IMAGE)) {
         const double e = estimate_error(film);
         t->error = isfinite(e) ? e : -1;
+        t->snapshot.row.error = t->error;
+        t->snapshot.row.report = report_make(film);
     }
     if (t->ok && t->parts & WRITER_IMAGE) {
         struct arena arena = {0};

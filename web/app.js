@@ -41,6 +41,24 @@ function duration(seconds) {
     return `${Math.floor(s / 86400)}\u00a0d\u00a0${Math.floor(s / 3600) % 24}\u00a0h`;
 }
 
+function errorText(job) {
+    if (job.error === null)
+        return "not known before 8 spp";
+    const interval = job.report.error.interval;
+    return percent(job.error) + (interval ? ` (${percent(interval[0])} to ${percent(interval[1])})` : "");
+}
+
+function trustText(pixels) { // of the error bars
+    if (pixels.trusted === null)
+        return "not known yet";
+    const parts = [`${percent(pixels.trusted)} of the pixels`];
+    if (pixels.unknown > 0)
+        parts.push(`${percent(pixels.unknown)} not known`);
+    if (pixels.heavy_tail > 0)
+        parts.push(`${percent(pixels.heavy_tail)} heavy tail`);
+    return parts.join(", ");
+}
+
 const date = (ms) => new Date(ms).toLocaleString("en-GB", { dateStyle: "medium", timeStyle: "short" });
 const title = (job) => job.title || `Job ${job.id}`;
 
@@ -267,7 +285,8 @@ function methodRows(job) {
 function jobFacts(job) {
     const passes = job.tile_passes, leases = job.leases, bad = job.invalid_samples;
     const rows = [
-        ["Error (estimate)", job.error === null ? "not known before 8 spp" : percent(job.error)],
+        ["Error (95\u00a0% interval)", errorText(job)],
+        ["Error bars hold for", trustText(job.report.pixels)],
         ["Samples per pixel", job.target.spp === null ? String(job.spp) : `${job.spp} of ${job.target.spp}`],
         ["Samples", big(job.samples)],
         ["Rate", job.samples_per_second === null ? "–" : `${big(job.samples_per_second)}\u00a0samples/s`],
@@ -282,6 +301,12 @@ function jobFacts(job) {
     if (bad.count)
         rows.push(["Invalid samples", `${bad.count}, the first at ${bad.keys.slice(0, 3)
             .map(([x, y, sample]) => `(${x}, ${y}) sample ${sample}`).join(", ")}`]);
+    const removed = job.report.removed, dropped = job.report.triangles_dropped;
+    for (const [name, what] of [["Light cut by max_bounces", removed.max_bounces], ["Light taken by clamp", removed.clamp]])
+        if (what.share >= 0.0005)
+            rows.push([name, percent(what.share)]);
+    if (dropped.degenerate + dropped.not_finite)
+        rows.push(["Triangles left out", `${dropped.degenerate} without area, ${dropped.not_finite} not finite`]);
     rows.push(["Priority", String(job.priority)], ["Submitted", date(job.created_unix_ms)], ["Job", job.id]);
     return rows;
 }

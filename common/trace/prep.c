@@ -53,6 +53,7 @@ static void count_pieces(struct prep_plan *p)
         head->guide_shift++;
     head->guide.count = (head->prim_count >> head->guide_shift) + 2;
     head->materials.count = p->scene->material_count;
+    head->reliefs.count = p->scene->relief_count;
     head->trees.count = p->tree_count;
     for (uint32_t i = 0; i < p->tree_count; i++) {
         const struct bvh_plan *plan = &p->trees[i].plan;
@@ -87,6 +88,7 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->uvs, NULL, sizeof(struct stage_uv)},
         {&head->colors, NULL, sizeof(struct stage_color)},
         {&head->slots, p->scene->slots, sizeof *p->scene->slots},
+        {&head->reliefs, p->scene->reliefs, sizeof *p->scene->reliefs},
         {&head->textures, p->textures, sizeof *p->textures},
         {&head->pyramids, p->pyramids, sizeof *p->pyramids},
         {&head->bytes8, NULL, sizeof(struct stage_bytes)},

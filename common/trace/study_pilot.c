@@ -49,17 +49,17 @@ struct shot {
     const struct stage *stage;
 };
 
-static uint32_t block_side(uint32_t begin, uint32_t end)
+static uint32_t patch_side(uint32_t begin, uint32_t end)
 {
     return end - begin < BLOCK ? end - begin : BLOCK;
 }
 
-static struct tile_rect block_rect(const struct stage *s, uint32_t i)
+static struct tile_rect square_rect(const struct stage *s, uint32_t i)
 {
     const struct scene_film *f = &s->film;
     const struct study_place at = study_place(s, i, SALT);
-    const uint32_t w = block_side(f->crop_x_begin, f->crop_x_end);
-    const uint32_t h = block_side(f->crop_y_begin, f->crop_y_end);
+    const uint32_t w = patch_side(f->crop_x_begin, f->crop_x_end);
+    const uint32_t h = patch_side(f->crop_y_begin, f->crop_y_end);
     const uint32_t x = min_u32(at.x_px, f->crop_x_end - w), y = min_u32(at.y_px, f->crop_y_end - h);
     return (struct tile_rect){x, y, x + w, y + h};
 }
@@ -101,7 +101,7 @@ static void render(const struct stage *s, struct film_samples *samples, struct t
 
 static void shoot_block(struct shot *shot, struct film_samples *samples, uint32_t block)
 {
-    samples->rect = block_rect(shot->stage, block);
+    samples->rect = square_rect(shot->stage, block);
     const uint32_t pixels = tile_rect_pixels(samples->rect);
     struct pixel *to = shot->pixels + shot->count;
     const uint64_t before = samples->work.units;
