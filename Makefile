@@ -2,6 +2,7 @@
 # make demo       install what is missing, render an example on a farm of processes here
 # make check      install what the tests need, build, run every test     (README: "Tests")
 # make check-long the same under ASan/UBSan and TSan, with gcc and clang
+# make gallery    the pictures of docs/gallery.md, and that page (ARGS=names of some)
 # make mutants    do the tests find planted bugs? (ARGS=words of their names)
 # make bench      measurements, each beside a peer or oracle, in one run
 # make bench-rays                    the ray kernel beside Embree's (ARGS=--quick: half a minute)
@@ -65,7 +66,7 @@ BENCH  := $(patsubst bench/%.c,$(B)/%,$(wildcard bench/bench_*.c))
 TOOLS  := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/tool_*.c))
 FUZZ   := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/fuzz_*.c))
 
-.PHONY: all tests demo pictures check check-unit check-rules check-e2e check-long mutants bench bench-rays bench-accel bench-render \
+.PHONY: all tests demo pictures gallery check check-unit check-rules check-e2e check-long mutants bench bench-rays bench-accel bench-render \
 	bench-examples bench-cycles bench-planner charts fuzz fuzz-run install clean
 .SECONDARY:
 .DELETE_ON_ERROR:
@@ -136,6 +137,9 @@ demo:
 pictures: demo # the picture of the README
 	cp demo/cornell-box.png docs/
 
+gallery: all
+	BIN=$(B) python3 docs/gallery/make.py $(ARGS)
+
 check:
 	deploy/install-deps build test
 	$(MAKE) -j$(J) WERROR=1 all tests
@@ -201,6 +205,7 @@ install: all
 	install -D -m 644 -t $(DESTDIR)$(PREFIX)/share/smalti/scenes scenes/*.json
 	install -D -m 644 -t $(DESTDIR)$(PREFIX)/share/doc/smalti README.md LICENSE docs/*.*
 	install -D -m 644 -t $(DESTDIR)$(PREFIX)/share/doc/smalti/charts docs/charts/*
+	install -D -m 644 -t $(DESTDIR)$(PREFIX)/share/doc/smalti/gallery docs/gallery/*.*
 
 clean:
 	rm -rf build

@@ -38,9 +38,12 @@ static void widen(double *least, double *most, double value)
 
 static struct chart_axes axes_of(const struct chart *c)
 {
-    struct chart_axes a = {
-        PLOT_LEFT, PLOT_TOP, PLOT_LEFT + PLOT_WIDTH, PLOT_TOP + PLOT_HEIGHT, INFINITY, 0, INFINITY,
-        0,         false};
+    struct chart_axes a = {.left = PLOT_LEFT,
+                           .top = PLOT_TOP,
+                           .right = PLOT_LEFT + PLOT_WIDTH,
+                           .bottom = PLOT_TOP + PLOT_HEIGHT,
+                           .x_least = HUGE_VAL,
+                           .y_least = HUGE_VAL};
     for (uint32_t i = 0; i < c->line_count; i++)
         for (uint32_t p = 0; p < c->point_count; p++) {
             widen(&a.x_least, &a.x_most, c->lines[i].curve.work[p]);
@@ -167,7 +170,7 @@ static void draw_line(struct buf *b, const struct chart_line *line, uint32_t i,
 
 static enum svg_fill fill_of(const struct chart_line *line, const struct chart_point *p)
 {
-    if (p->tail || p->untrusted > 0.05)
+    if (p->tail || p->unknown + p->heavy > 0.05)
         return SVG_HATCHED;
     return p->near_floor || line->missing ? SVG_HOLLOW : SVG_FULL;
 }
@@ -358,9 +361,9 @@ static void draw_row(struct buf *b, const struct chart *c, uint32_t i, double y)
 static void draw_key(struct buf *b, const struct chart *c, double y)
 {
     const char *const lines[] = {
-        "Hollow: within three times of the reference's noise. Hatched: one pixel in a thousand has "
-        "most "
-        "of the error, or blocks have under 32 effective samples.",
+        "Hollow: within three times of the reference's noise. Hatched: one pixel in a thousand or "
+        "one run "
+        "has most of the error, or many pixels have too few samples.",
         "Open triangle: a class of paths is missing; its energy stands in the last column (!). "
         "Dotted, beside a line: the error without one pixel in a thousand.",
         "Yellow: the frontier, no point is better in both. Diagonals: equal efficiency. "

@@ -81,13 +81,15 @@ static struct seen energy_of(const struct chart_piece *p)
     return (struct seen){told ? fabs(e.at) : 0, told ? fmin(low, high) : 0, fmax(low, high)};
 }
 
-/* "+3.1 %", or what it is less than. */
+/* "+3.1 %", or what it is less than; "less" if there is less without the piece. */
 static const char *percent(struct seen s, double sign, char text[32])
 {
     if (s.at > 0)
         snprintf(text, 32, "%+.2g %%", copysign(100 * s.at, sign));
-    else
+    else if (s.high > 0)
         snprintf(text, 32, "< %.2g %%", 100 * s.high);
+    else
+        snprintf(text, 32, "less");
     return text;
 }
 

@@ -23,8 +23,6 @@ _Static_assert(countof(methods) <= CHART_MOST_LINES, "a line each");
 #define MISSING      1e-3 /* of the energy: less is not told from none */
 #define FLOOR_FACTOR 3    /* of the reference's noise: nearer, a point says little */
 
-enum { TRUSTED_SAMPLES = 32, BLOCK = 8 };
-
 static uint32_t point_count(const struct chart_options *o)
 {
     uint32_t n = 0;
@@ -98,51 +96,6 @@ double chart_energy(const struct chart *c, const double *image)
 
 /* --- a point --- */
 
-struct spread { /* of the runs' values of a pixel and channel */
-    double mean, variance;
-};
-
-static struct spread spread_of(const struct chart_run runs[], uint32_t n, size_t value)
-{
-    struct spread s = {0, 0};
-    for (uint32_t r = 0; r < n; r++)
-        s.mean += runs[r].image[value] / n;
-    for (uint32_t r = 0; r < n; r++)
-        s.variance += (runs[r].image[value] - s.mean) * (runs[r].image[value] - s.mean) / (n - 1);
-    return s;
-}
-
-/* (sum x)^2 / sum x^2 of the samples behind all runs, as far as their spread tells: of one channel
- * of the pixel, the brightest. */
-static double effective_samples(const struct chart_run runs[], uint32_t n, size_t pixel)
-{
-    struct spread most = {0, 0};
-    for (size_t c = 3 * pixel; c < 3 * pixel + 3; c++) {
-        const struct spread s = spread_of(runs, n, c);
-        if (s.mean > most.mean)
-            most = s;
-    }
-    const double all = (double)n * runs[0].spp, square = most.mean * most.mean;
-    return square > 0 ? all * square / (square + runs[0].spp * most.variance) : (double)INFINITY;
-}
-
-/* The part of blocks that have less than TRUSTED_SAMPLES in a run. */
-static double untrusted(const struct chart *c, const struct chart_run runs[])
-{
-    const uint32_t n = c->options.runs;
-    uint32_t bad = 0, all = 0;
-    for (uint32_t y = 0; y < c->height_px; y += BLOCK)
-        for (uint32_t x = 0; x < c->width_px; x += BLOCK) {
-            double sum = 0;
-            for (uint32_t v = y; v < min_u32(y + BLOCK, c->height_px); v++)
-                for (uint32_t u = x; u < min_u32(x + BLOCK, c->width_px); u++)
-                    sum += effective_samples(runs, n, (size_t)v * c->width_px + u) / n;
-            bad += sum < TRUSTED_SAMPLES;
-            all++;
-        }
-    return (double)bad / all;
-}
-
 static void fill_point(const struct chart *c, struct chart_line *line, uint32_t point,
                        const struct chart_run runs[], double *scratch)
 {
@@ -151,17 +104,21 @@ static void fill_point(const struct chart *c, struct chart_line *line, uint32_t 
     struct chart_point *p = &line->points[point];
     line->curve.work[point] = 0;
     p->spp = runs[0].spp;
-    p->trimmed = 0;
+    p->trimmed = p->unknown = p->heavy = 0;
     for (uint32_t r = 0; r < n; r++) {
         double trimmed;
         line->curve.work[point] += (double)runs[r].work.units / n;
         line->curve.error[point][r] =
             curve_relmse(runs[r].image, c->reference.image, pixels, &trimmed, scratch);
         p->trimmed += trimmed / n;
+        p->unknown += runs[r].unknown / n;
+        p->heavy += runs[r].heavy / n;
     }
     p->error = curve_at(&line->curve, point);
-    p->untrusted = untrusted(c, runs);
-    p->tail = p->trimmed < 0.5 * p->error.at;
+    double most = 0;
+    for (uint32_t r = 0; r < n; r++)
+        most = fmax(most, line->curve.error[point][r]);
+    p->tail = p->trimmed < 0.5 * p->error.at || most > 0.5 * n * p->error.at;
     p->near_floor = p->error.at < FLOOR_FACTOR * c->reference.noise;
 }
 

@@ -126,8 +126,9 @@ struct outcome { /* by run */
     double work[CURVE_MOST_RUNS], error[CURVE_MOST_RUNS], energy[CURVE_MOST_RUNS];
 };
 
+/* With the same seeds for all, so that what two have in common does not differ by chance. */
 static bool run(const struct chart *c, const struct scene *scene, const struct chart_method *m,
-                struct chart_crew *crew, uint32_t of, struct outcome *out, struct err *err)
+                struct chart_crew *crew, struct outcome *out, struct err *err)
 {
     struct arena arena = {0};
     const struct stage *stage;
@@ -136,7 +137,7 @@ static bool run(const struct chart *c, const struct scene *scene, const struct c
     const bool good = chart_prepare(scene, m, &stage, &arena, err);
     if (good) {
         struct chart_run *runs =
-            chart_make_runs(stage, c->piece_spp, n, scene->settings.seed, of, &arena);
+            chart_make_runs(stage, c->piece_spp, n, scene->settings.seed, OF_PRICE, &arena);
         double *scratch = arena_new(&arena, double, pixels), trimmed;
         chart_runs_do(crew, runs, n);
         for (uint32_t r = 0; r < n; r++) {
@@ -170,7 +171,7 @@ bool chart_price(struct chart *c, const struct scene *scene, struct chart_crew *
     const struct chart_method all = *c->lines[0].method;
     struct outcome with, without;
     c->piece_spp = c->options.spp;
-    if (!run(c, &small, &all, crew, OF_PRICE, &with, err))
+    if (!run(c, &small, &all, crew, &with, err))
         return false;
     c->piece_error = curve_mean(with.error, c->options.runs).at;
     for (uint32_t i = 0; i < countof(names); i++) {
@@ -179,7 +180,7 @@ bool chart_price(struct chart *c, const struct scene *scene, struct chart_crew *
         own(&less, arena);
         if (!leave_out((enum piece)i, &less, &m))
             continue;
-        if (!run(c, &less, &m, crew, OF_PRICE + 1 + i, &without, err))
+        if (!run(c, &less, &m, crew, &without, err))
             return false;
         c->pieces[c->piece_count++] = compare(names[i], &without, &with, c->options.runs);
     }

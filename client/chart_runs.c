@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "common/clock.h"
+#include "common/evidence.h"
 #include "common/trace/render.h"
 
 enum { MOST_THREADS = 64 };
@@ -66,7 +67,9 @@ static void go(struct chart_run *r, struct copy *copy, struct arena *scratch)
     }
     r->seconds = (double)(clock_thread_cpu_us() - begin) * 1e-6;
     r->work = film.work;
-    r->invalid_count = film.invalid_count;
+    const struct evidence e = evidence_make(&film, scratch);
+    r->unknown = e.unknown;
+    r->heavy = e.heavy;
     for (size_t i = 0; i < tile_rect_pixels(window); i++)
         film_mean(&film, i, r->image + 3 * i);
     film_release(&film);

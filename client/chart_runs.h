@@ -15,8 +15,8 @@ struct chart_run {
     double *image; /* [pixel of the crop][rgb]: the caller's, filled with the means */
     /* Filled: */
     struct film_work work;
-    uint64_t invalid_count;
-    double seconds; /* CPU */
+    double unknown, heavy; /* shares of its pixels whose error bars mean nothing: evidence.h */
+    double seconds;        /* CPU */
 };
 
 struct chart_crew {

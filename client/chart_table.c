@@ -29,7 +29,8 @@ static void row(struct buf *b, const struct chart *c, const struct chart_line *l
     cell(b, work * line->unit_ns * 1e-9);
     interval(b, p->error);
     cell(b, p->trimmed);
-    cell(b, p->untrusted);
+    cell(b, p->unknown);
+    cell(b, p->heavy);
     buf_text(b, ",%d,%d,%d", p->tail, p->near_floor, line->missing);
     interval(b, line->slope);
     interval(b, line->gain);
@@ -42,16 +43,17 @@ static void row(struct buf *b, const struct chart *c, const struct chart_line *l
 }
 
 /* Columns between relmse and energy, and after that. */
-enum { BEFORE_ENERGY = 16, AFTER_ENERGY = 4 + CHART_TARGETS };
+enum { BEFORE_ENERGY = 17, AFTER_ENERGY = 4 + CHART_TARGETS };
 
 static const char commas[] = ",,,,,,,,,,,,,,,,,,,,";
 
 void chart_table(const struct chart *c, struct buf *csv)
 {
-    buf_text(csv, "method,spp,runs,work_units,seconds,relmse,relmse_low,relmse_high,relmse_99_9,"
-                  "untrusted_blocks,tail,near_floor,class_missing,slope,slope_low,slope_high,"
-                  "efficiency,efficiency_low,efficiency_high,bias2,bias2_low,bias2_high,"
-                  "energy,energy_low,energy_high");
+    buf_text(csv,
+             "method,spp,runs,work_units,seconds,relmse,relmse_low,relmse_high,relmse_99_9,"
+             "unknown_share,heavy_share,tail,near_floor,class_missing,slope,slope_low,slope_high,"
+             "efficiency,efficiency_low,efficiency_high,bias2,bias2_low,bias2_high,"
+             "energy,energy_low,energy_high");
     for (int t = 0; t < CHART_TARGETS; t++)
         buf_text(csv, ",work_to_%g_percent", 100 * chart_targets[t]);
     buf_text(csv, ",best,planned\n");

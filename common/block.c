@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "common/block.h"
 
-struct tile_rect block_rect(struct tile_rect r, size_t i)
+struct tile_rect block_rect_of(struct tile_rect r, size_t i)
 {
     const uint32_t columns = block_columns(r);
     const uint32_t x = r.x_begin + (uint32_t)(i % columns) * BLOCK_PX;

@@ -46,7 +46,7 @@ static inline size_t block_count(struct tile_rect r)
 }
 
 /* Of block number i of the rectangle, row by row. */
-struct tile_rect block_rect(struct tile_rect, size_t i);
+struct tile_rect block_rect_of(struct tile_rect, size_t i);
 
 void block_keep(struct block *, float x); /* x > top[BLOCK_TOP - 1] */
 

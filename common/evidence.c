@@ -2,6 +2,7 @@
 #include "common/evidence.h"
 
 #include <assert.h>
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -20,7 +21,7 @@ static const double growth = 1.5, outlier = .1;
 
 static double samples_of(const struct film *f, size_t i)
 {
-    const struct tile_rect w = f->window, r = block_rect(w, i);
+    const struct tile_rect w = f->window, r = block_rect_of(w, i);
     const size_t first =
         (size_t)(r.y_begin - w.y_begin) * (w.x_end - w.x_begin) + (r.x_begin - w.x_begin);
     return (double)f->spp[first] * tile_rect_pixels(r);
@@ -143,8 +144,11 @@ static void gather(const struct film *f, uint32_t columns, const struct region *
                 continue;
             t->blocks++;
             t->samples += n;
-            for (int i = 0; i < BLOCK_TOP; i++)
-                t->values[t->count++] = (double)f->blocks[at].top[i] * scale;
+            for (int i = 0; i < BLOCK_TOP; i++) {
+                const double v = (double)f->blocks[at].top[i] * scale;
+                if (v > 0 && v <= DBL_MAX) /* a worker may have lied */
+                    t->values[t->count++] = v;
+            }
         }
 }
 
@@ -203,7 +207,7 @@ struct evidence evidence_make(const struct film *f, struct arena *arena)
     judge_regions(f, &e, arena);
     double pixels[EVIDENCE_HEAVY + 1] = {0};
     for (size_t i = 0; i < count; i++)
-        pixels[e.blocks[i].verdict] += tile_rect_pixels(block_rect(f->window, i));
+        pixels[e.blocks[i].verdict] += tile_rect_pixels(block_rect_of(f->window, i));
     e.unknown = pixels[EVIDENCE_UNKNOWN] / tile_rect_pixels(f->window);
     e.heavy = pixels[EVIDENCE_HEAVY] / tile_rect_pixels(f->window);
     return e;

@@ -140,7 +140,7 @@ static void merge_block(struct film *f, size_t at, const struct block *more, uin
     if (!is_doubling(spp))
         return;
     float *v = f->variance + at * BLOCK_DOUBLINGS;
-    const double n = (double)tile_rect_pixels(block_rect(f->window, at)) * spp;
+    const double n = (double)tile_rect_pixels(block_rect_of(f->window, at)) * spp;
     memmove(v, v + 1, (BLOCK_DOUBLINGS - 1) * sizeof *v);
     const double now = block_variance(b, n);
     v[BLOCK_DOUBLINGS - 1] = now < (double)FLT_MAX ? (float)now : FLT_MAX;

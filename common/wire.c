@@ -266,11 +266,15 @@ static bool read_floats(struct buf_reader *r, size_t count, struct arena *arena,
     return true;
 }
 
-/* x and its sums are never negative, the largest fall, and a NaN is nothing of it. */
+/* x and its sums are never negative, the largest fall, and a NaN is nothing of it. 2^24 samples of
+ * 64 pixels, each below 2^102, stay far below these bounds; sums of what is below them are finite.
+ */
 static bool block_is_sane(const struct block *b, uint64_t samples)
 {
-    bool ok = b->sum >= 0 && isfinite(b->sum) && b->square >= 0 && isfinite(b->square) &&
-              isfinite(b->clamped) && isfinite(b->cut) && b->met <= samples && isfinite(b->top[0]);
+    const double most = 0x1p+200, most_square = 0x1p+400;
+    bool ok = b->sum >= 0 && b->sum <= most && b->square >= 0 && b->square <= most_square &&
+              fabs(b->clamped) <= most && fabs(b->cut) <= most && b->met <= samples &&
+              isfinite(b->top[0]);
     for (uint32_t i = 0; ok && i < BLOCK_TOP; i++)
         ok = i + 1 < BLOCK_TOP ? b->top[i] >= b->top[i + 1] : b->top[i] >= 0;
     return ok;
@@ -293,7 +297,7 @@ static bool read_blocks(struct buf_reader *r, struct film_samples *s, struct are
         if (r->failed)
             return err_set(err, ERR_PROTOCOL, "payload blocks are cut short");
         memcpy(b->top, top, sizeof b->top);
-        if (!block_is_sane(b, samples * tile_rect_pixels(block_rect(s->rect, i))))
+        if (!block_is_sane(b, samples * tile_rect_pixels(block_rect_of(s->rect, i))))
             return err_set(err, ERR_PROTOCOL, "payload block %zu is none of %llu samples a pixel",
                            i, (unsigned long long)samples);
     }

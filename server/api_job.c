@@ -1,6 +1,6 @@
 /* JSON: body_parse's object is owned by the handler and released before it returns.
  * SPDX-License-Identifier: MIT */
-#include "server/api.h"
+#include "server/api_job.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,6 +9,7 @@
 #include <jansson.h>
 
 #include "common/clock.h"
+#include "server/api.h"
 #include "server/body.h"
 #include "server/problem.h"
 #include "server/report.h"
@@ -29,15 +30,15 @@ static bool is_known(const struct server *s, const struct request *rq, struct re
     return true;
 }
 
-static void reply_job(const struct server *s, const struct request *rq, struct reply *re,
-                      int status, const struct job *j)
+void api_job_reply(const struct server *s, const struct request *rq, struct reply *re, int status,
+                   const struct job *j)
 {
     if (!is_known(s, rq, re, j))
         body_reply(rq, re, status, status_job(s, j));
 }
 
-static struct job *job_of_id(const struct server *s, const struct request *rq, struct reply *re,
-                             const char *text)
+struct job *api_job_of(const struct server *s, const struct request *rq, struct reply *re,
+                       const char *text)
 {
     struct job *j = NULL;
     if (strlen(text) == 16 && strspn(text, "0123456789abcdef") == 16)
@@ -100,6 +101,7 @@ static struct store_job row_of(const struct server *s, const struct scene *scene
         .tile_px = s->config->tile_px,
         .crop = {f->crop_x_begin, f->crop_y_begin, f->crop_x_end, f->crop_y_end},
         .layers = f->layers,
+        .stratified = scene->settings.sampler == SAMPLER_STRATIFIED,
         .target = scene->settings.target,
         .method =
             scene->settings.integrator == INTEGRATOR_AUTO ? STORE_METHOD_OPEN : STORE_METHOD_GIVEN,
@@ -156,7 +158,7 @@ void api_job_submit(struct server *s, const struct request *rq, struct reply *re
              (unsigned long long)row.id, row.width_px, row.height_px, row.target.spp,
              row.target.error, row.target.seconds, row.priority, row.title);
     re->location = arena_printf(rq->arena, "/v1/jobs/%016llx", (unsigned long long)row.id);
-    reply_job(s, rq, re, 201, j);
+    api_job_reply(s, rq, re, 201, j);
 }
 
 /* ---- look ---- */
@@ -185,7 +187,7 @@ void api_job_list(struct server *s, const struct request *rq, struct reply *re)
     size_t at = s->job_count; /* the next one is before it */
     const char *after = route_query(rq, "after");
     if (after) {
-        const struct job *j = job_of_id(s, rq, re, after);
+        const struct job *j = api_job_of(s, rq, re, after);
         if (!j)
             return;
         at = place_of(s, j->row.number);
@@ -203,14 +205,14 @@ void api_job_list(struct server *s, const struct request *rq, struct reply *re)
 
 void api_job_get(struct server *s, const struct request *rq, struct reply *re)
 {
-    const struct job *j = job_of_id(s, rq, re, rq->part[0]);
+    const struct job *j = api_job_of(s, rq, re, rq->part[0]);
     if (j)
-        reply_job(s, rq, re, 200, j);
+        api_job_reply(s, rq, re, 200, j);
 }
 
 void api_job_curve(struct server *s, const struct request *rq, struct reply *re)
 {
-    const struct job *j = job_of_id(s, rq, re, rq->part[0]);
+    const struct job *j = api_job_of(s, rq, re, rq->part[0]);
     struct convergence stored = {0};
     struct err err;
     if (!j || is_known(s, rq, re, j))
@@ -226,7 +228,7 @@ void api_job_curve(struct server *s, const struct request *rq, struct reply *re)
 
 void api_job_document(struct server *s, const struct request *rq, struct reply *re)
 {
-    const struct job *j = job_of_id(s, rq, re, rq->part[0]);
+    const struct job *j = api_job_of(s, rq, re, rq->part[0]);
     if (!j)
         return;
     uint64_t bytes;
@@ -243,7 +245,7 @@ void api_job_document(struct server *s, const struct request *rq, struct reply *
 
 void api_job_plan(struct server *s, const struct request *rq, struct reply *re)
 {
-    const struct job *j = job_of_id(s, rq, re, rq->part[0]);
+    const struct job *j = api_job_of(s, rq, re, rq->part[0]);
     if (!j)
         return;
     char directory[DISK_PATH - 32], path[DISK_PATH];
@@ -266,7 +268,7 @@ void api_job_plan(struct server *s, const struct request *rq, struct reply *re)
 static void reply_image(const struct server *s, const struct request *rq, struct reply *re,
                         const char *name, const char *type)
 {
-    const struct job *j = job_of_id(s, rq, re, rq->part[0]);
+    const struct job *j = api_job_of(s, rq, re, rq->part[0]);
     if (!j)
         return;
     re->etag = arena_printf(rq->arena, "\"%08x-%llu\"", s->nonce,
@@ -300,72 +302,11 @@ void api_job_png(struct server *s, const struct request *rq, struct reply *re)
     reply_image(s, rq, re, "preview.png", "image/png");
 }
 
-/* ---- change ---- */
-
-struct change {
-    const char *state;      /* NULL: as it is */
-    json_t *priority_value; /* NULL: as it is */
-    int32_t priority;
-};
-
-static bool change_read(json_t *root, struct change *c, struct err *err)
-{
-    json_error_t e;
-    if (json_unpack_ex(root, &e, JSON_STRICT, "{s?s, s?o}", "state", &c->state, "priority",
-                       &c->priority_value) != 0)
-        return err_set(err, ERR_INPUT, "%s", e.text);
-    if (!c->state && !c->priority_value)
-        return err_set(err, ERR_INPUT, "expected state, priority, or both");
-    if (c->state && strcmp(c->state, "paused") != 0 && strcmp(c->state, "running") != 0)
-        return err_set(err, ERR_INPUT, "state: expected \"paused\" or \"running\", got \"%.20s\"",
-                       c->state);
-    if (!c->priority_value)
-        return true;
-    const json_int_t p = json_integer_value(c->priority_value);
-    if (!json_is_integer(c->priority_value) || p < -MAX_PRIORITY || p > MAX_PRIORITY)
-        return err_set(err, ERR_INPUT, "priority: expected a whole number from %d to %d",
-                       -MAX_PRIORITY, MAX_PRIORITY);
-    c->priority = (int32_t)p;
-    return true;
-}
-
-static bool change_apply(struct server *s, struct job *j, const struct change *c, struct err *err)
-{
-    if (job_is_over(j))
-        return err_set(err, ERR_CONFLICT, "the job is %s", store_state_name(j->row.state));
-    if (c->state && *c->state == 'p' && j->row.state != JOB_PAUSED)
-        job_pause(j, s->now_ms);
-    if (c->state && *c->state == 'r' && j->row.state == JOB_PAUSED)
-        job_resume(j, s->now_ms);
-    if (c->priority_value) {
-        j->row.priority = c->priority;
-        sched_reorder(&s->sched, j);
-        job_touch(j);
-    }
-    s->news = true;
-    return server_job_save(s, j) || err_set(err, ERR_IO, "the change is not on disk yet");
-}
-
-void api_job_change(struct server *s, const struct request *rq, struct reply *re)
-{
-    struct job *j = job_of_id(s, rq, re, rq->part[0]);
-    if (!j)
-        return;
-    json_t *root = body_parse(rq, re);
-    if (!root)
-        return;
-    struct change change = {0};
-    struct err err;
-    if (change_read(root, &change, &err) && change_apply(s, j, &change, &err))
-        reply_job(s, rq, re, 200, j);
-    else
-        problem_from_err(rq, re, &err);
-    json_decref(root);
-}
+/* ---- end ---- */
 
 void api_job_cancel(struct server *s, const struct request *rq, struct reply *re)
 {
-    struct job *j = job_of_id(s, rq, re, rq->part[0]);
+    struct job *j = api_job_of(s, rq, re, rq->part[0]);
     if (!j)
         return;
     if (j->row.state == JOB_DONE || j->row.state == JOB_FAILED) {
@@ -377,5 +318,5 @@ void api_job_cancel(struct server *s, const struct request *rq, struct reply *re
     if (j->unsaved)
         problem_reply(rq, re, 503, "the change is not on disk yet");
     else
-        reply_job(s, rq, re, 200, j);
+        api_job_reply(s, rq, re, 200, j);
 }

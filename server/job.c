@@ -118,8 +118,23 @@ void job_start(struct job *j, int64_t now_ms, int64_t unix_ms)
 {
     assert(j->row.state == JOB_QUEUED);
     j->row.state = JOB_RUNNING;
-    j->row.started_unix_ms = unix_ms;
+    if (!j->row.started_unix_ms)
+        j->row.started_unix_ms = unix_ms;
     j->running_from_ms = now_ms;
+    job_touch(j);
+}
+
+void job_continue(struct job *j, const struct scene_target *target)
+{
+    assert(j->row.state == JOB_DONE && !j->open && !j->writing);
+    j->row.state = JOB_QUEUED;
+    j->row.target = *target;
+    j->row.settled = false;
+    j->row.finished_unix_ms = 0;
+    *j->row.digest = 0;
+    j->rate = (struct rate){0};
+    j->finishing = j->reached = j->film_failed = false;
+    j->retry_ms = 0;
     job_touch(j);
 }
 

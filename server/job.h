@@ -113,6 +113,8 @@ void job_touch(struct job *); /* something visible has changed */
 
 /* Transitions; each asserts where it comes from. The caller saves the row. */
 void job_start(struct job *, int64_t now_ms, int64_t unix_ms); /* first lease */
+/* Done, and now to be queued for more. */
+void job_continue(struct job *, const struct scene_target *);
 void job_pause(struct job *, int64_t now_ms);
 void job_resume(struct job *, int64_t now_ms);
 void job_end(struct job *, enum job_state, int64_t now_ms, int64_t unix_ms); /* done, failed... */

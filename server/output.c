@@ -184,11 +184,10 @@ static void try_again(struct server *s, struct writer_task *t)
 
 static void judge(struct server *s, struct job *j, const struct writer_task *t)
 {
-    const double error = t->error;
-    j->row.error = error;
+    j->row.error = t->error;
     j->row.report = t->snapshot.row.report;
     job_touch(j);
-    if (error >= 0 && error <= j->row.target.error)
+    if (t->enough)
         j->reached = true;
     else
         merge_next_round(j, s->now_ms);

@@ -25,7 +25,7 @@ static double mean_luminance(const struct film *f)
 
 static uint32_t spp_of(const struct film *f, size_t block)
 {
-    const struct tile_rect w = f->window, r = block_rect(w, block);
+    const struct tile_rect w = f->window, r = block_rect_of(w, block);
     return f->spp[(size_t)(r.y_begin - w.y_begin) * (w.x_end - w.x_begin) + r.x_begin - w.x_begin];
 }
 

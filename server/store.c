@@ -55,6 +55,7 @@ static const char *const steps[] = {
     "ALTER TABLE point ADD COLUMN units INTEGER NOT NULL DEFAULT 0",
     "ALTER TABLE job ADD COLUMN warnings TEXT NOT NULL DEFAULT ''",
     "ALTER TABLE job ADD COLUMN method INTEGER NOT NULL DEFAULT 0",
+    "ALTER TABLE job ADD COLUMN stratified INTEGER NOT NULL DEFAULT 0",
 };
 
 #define NAMES                                                                                      \
@@ -64,11 +65,12 @@ static const char *const steps[] = {
     "invalid, image, digest, checkpoint, reason, in_pass, in_tile, has_pass, layers, "             \
     "error_low, error_high, unknown, heavy, energy, clamped, cut, camera_rays, bounce_rays, "      \
     "shadow_rays, plain_vertices, other_vertices, units, degenerate, nonfinite, "                  \
-    "warnings, method, keys"
+    "warnings, method, stratified, keys"
 #define MARKS                                                                                      \
     "?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, "  \
     "?21, ?22, ?23, ?24, ?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, ?33, ?34, ?35, ?36, ?37, ?38, "   \
-    "?39, ?40, ?41, ?42, ?43, ?44, ?45, ?46, ?47, ?48, ?49, ?50, ?51, ?52, ?53, ?54, ?55, ?56"
+    "?39, ?40, ?41, ?42, ?43, ?44, ?45, ?46, ?47, ?48, ?49, ?50, ?51, ?52, ?53, ?54, ?55, ?56, "   \
+    "?57"
 
 enum column_kind { COLUMN_INT, COLUMN_REAL, COLUMN_TEXT };
 
@@ -136,6 +138,7 @@ static const struct column {
     AT(COLUMN_INT, report.dropped.nonfinite),
     AT(COLUMN_TEXT, warnings),
     AT(COLUMN_INT, method),
+    AT(COLUMN_INT, stratified),
 #undef AT
 };
 

@@ -17,7 +17,7 @@
 #include "common/plan.h"
 #include "common/scene.h"
 
-/*      queued ----> running ----> done
+/*      queued ----> running ----> done ----> queued, for more
  *        |  ^         | ^  \
  *        v  |         v |   `---> failed      queued, running, paused ---> cancelled
  *       paused <----> paused
@@ -69,7 +69,8 @@ struct store_job {
     uint32_t layers;            /* of the film, layers.h */
     struct scene_target target; /* spp: the one settled on, once that is known */
     uint32_t method;            /* STORE_METHOD_... */
-    bool settled;               /* a job with a seconds target has decided where to stop */
+    bool stratified; /* its samples are made for target.spp as submitted: it cannot go on beyond */
+    bool settled;    /* a job with a seconds target has decided where to stop */
     int64_t created_unix_ms, started_unix_ms, finished_unix_ms; /* 0: not yet */
     int64_t elapsed_ms;   /* running, from the first lease, up to the last time it was stored */
     uint64_t samples;     /* merged, over all pixels */

@@ -8,6 +8,7 @@
 
 #include "common/clock.h"
 #include "common/estimate.h"
+#include "common/stop.h"
 #include "server/image.h"
 #include "server/report.h"
 #include "server/status_report.h"
@@ -99,6 +100,8 @@ void writer_run(struct writer_task *t)
     if (t->parts & (WRITER_ERROR | WRITER_IMAGE)) {
         const double e = estimate_error(film);
         t->error = isfinite(e) ? e : -1;
+        const double target = t->snapshot.row.target.error;
+        t->enough = target > 0 && stop_is_due(film, target);
         t->snapshot.row.error = t->error;
         t->snapshot.row.report = report_make(film);
     }

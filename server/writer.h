@@ -28,6 +28,7 @@ struct writer_task {
     /* Filled by the writer. */
     bool ok; /* everything asked for is on disk */
     struct err err;
+    bool enough;            /* WRITER_ERROR: the error target is met (stop.h) */
     double error; /* WRITER_ERROR and WRITER_IMAGE; < 0: unknown. With snapshot.row.report */
     char digest[HASH_HEX]; /* WRITER_IMAGE */
     int64_t took_ms;

@@ -119,6 +119,15 @@ def main():
         if fault is not None:
             print("#", list(fault.absolute_path), fault.message[:200])
 
+    sys.path.insert(0, os.path.join(ROOT, "docs/gallery"))
+    from make import document_of
+    from pictures import SECTIONS
+    for picture in (p for section in SECTIONS for p in section.pictures):
+        fault = next(validator.iter_errors(document_of(picture)), None)
+        ok(fault is None, "the gallery's %s is valid by the schema" % picture.name)
+        if fault is not None:
+            print("#", list(fault.absolute_path), fault.message[:200])
+
     names = sorted(
         os.path.basename(p)[:-5] for p in glob.glob(os.path.join(ROOT, "tests/invalid/*.json"))
     )

@@ -344,11 +344,11 @@ static double light_in_room(enum surface_kind kind, bool mapped, int i, uint32_t
 
 static void test_dark_room(enum surface_kind kind, bool mapped)
 {
-    const int rooms = mapped ? 16 : 30;
+    const int all = mapped ? 16 : 30, rooms = stat_is_long() ? all : all / 3;
     const uint32_t spp = stat_tries(6, 256);
     double light = 0;
-    for (int i = 0; i < rooms; i++)
-        light += light_in_room(kind, mapped, i, spp);
+    for (int i = 0; i < rooms; i++) /* 7 has no divisor in common with 16 and 30 */
+        light += light_in_room(kind, mapped, 7 * i % all, spp);
     ok(light == 0, "F-28: %s, %s: closed rooms are dark, exactly (%g of light in %d rooms, %u spp)",
        surface_names[kind], tilt_names[mapped ? BY_MAP : BY_VERTICES], light, rooms, spp);
 }

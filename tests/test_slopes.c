@@ -105,7 +105,8 @@ static void of_scene(const char *path)
             const struct chart_line *line = &c.lines[i];
             bool flagged = line->missing;
             for (uint32_t p = 0; p < c.point_count; p++)
-                flagged = flagged || line->points[p].tail || line->points[p].untrusted > 0.05;
+                flagged = flagged || line->points[p].tail ||
+                          line->points[p].unknown + line->points[p].heavy > 0.05;
             /* To be above, the whole interval has to be. */
             ok(flagged || (line->slope.low <= -0.95 && line->slope.high >= -1.6),
                "%s, %s: %.2f (%.2f to %.2f)%s", path, line->method->name, line->slope.at,

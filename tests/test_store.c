@@ -71,6 +71,7 @@ static struct store_job full_row(void)
     row.keys[0] = (struct film_key){1, 2, 3};
     row.keys[1] = (struct film_key){4, 5, 6};
     row.image_version = 11;
+    row.stratified = true;
     row.report = (struct store_report){.1, .2, .3, .4, .5, .6, .7, {1, 2, 3, 4, 5, 6}, {6, 7}};
     hash_hex("x", 1, row.digest);
     row.checkpoint = 12;
@@ -88,10 +89,11 @@ static bool rows_equal(const struct store_job *a, const struct store_job *b)
            !memcmp(&a->crop, &b->crop, sizeof a->crop) && a->layers == b->layers &&
            a->method == b->method && a->target.error == b->target.error &&
            a->target.spp == b->target.spp && a->target.seconds == b->target.seconds &&
-           a->settled == b->settled && a->created_unix_ms == b->created_unix_ms &&
-           a->started_unix_ms == b->started_unix_ms && a->finished_unix_ms == b->finished_unix_ms &&
-           a->elapsed_ms == b->elapsed_ms && a->samples == b->samples &&
-           a->passes_done == b->passes_done && a->spp_done == b->spp_done && a->error == b->error &&
+           a->settled == b->settled && a->stratified == b->stratified &&
+           a->created_unix_ms == b->created_unix_ms && a->started_unix_ms == b->started_unix_ms &&
+           a->finished_unix_ms == b->finished_unix_ms && a->elapsed_ms == b->elapsed_ms &&
+           a->samples == b->samples && a->passes_done == b->passes_done &&
+           a->spp_done == b->spp_done && a->error == b->error &&
            !memcmp(&a->report, &b->report, sizeof a->report) && a->cpu_us == b->cpu_us &&
            a->granted == b->granted && a->expired == b->expired && a->returned == b->returned &&
            a->duplicates == b->duplicates && a->invalid_count == b->invalid_count &&
@@ -157,6 +159,7 @@ static void former_version(void)
                         "ALTER TABLE job DROP COLUMN nonfinite;"
                         "ALTER TABLE job DROP COLUMN warnings;"
                         "ALTER TABLE job DROP COLUMN method;"
+                        "ALTER TABLE job DROP COLUMN stratified;"
                         "DROP TABLE point; ALTER TABLE job DROP COLUMN layers; UPDATE job SET "
                         "tile_px = 33; PRAGMA "
                         "user_version = 1",
@@ -169,6 +172,7 @@ static void former_version(void)
     row.tile_px = 40;
     row.report = report_none();
     *row.warnings = '\0';
+    row.stratified = false;
     ok(s && store_jobs(s, note, &seen, &err) && seen.count == 1 && rows_equal(&seen.jobs[0], &row),
        "and is read by this one %s", err.text);
     store_close(s);

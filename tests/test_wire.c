@@ -154,6 +154,9 @@ static void refuses_blocks(struct arena *arena)
     b.sum = -1;
     refuses_block("a block's negative sum", good, &b);
     b = fine;
+    b.sum = 0x1p+201;
+    refuses_block("a sum that no samples have", good, &b);
+    b = fine;
     b.square = NAN;
     refuses_block("a block's sum of squares that is no number", good, &b);
     b = fine;

@@ -68,7 +68,7 @@ struct path_vertex path_vertex_make(const struct stage *, const struct ray *,
  * nothing else could have made it. */
 rgb path_beyond(const struct stage *, vec3 dir, float pdf_w);
 
-/* What an emitter that is a primitive emits from its front. */
+/* What an emitter that is a primitive without a texture emits from its front. */
 static inline rgb path_radiance(const struct stage *s, uint32_t emitter)
 {
     return vec3_load(((const struct emitter *)stage_at(s, s->emitters))[emitter].radiance);

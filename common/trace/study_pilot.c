@@ -49,7 +49,7 @@ struct shot {
     const struct stage *stage;
 };
 
-static uint32_t patch_side(uint32_t begin, uint32_t end)
+static uint32_t block_side(uint32_t begin, uint32_t end)
 {
     return end - begin < BLOCK ? end - begin : BLOCK;
 }
@@ -58,8 +58,8 @@ static struct tile_rect square_rect(const struct stage *s, uint32_t i)
 {
     const struct scene_film *f = &s->film;
     const struct study_place at = study_place(s, i, SALT);
-    const uint32_t w = patch_side(f->crop_x_begin, f->crop_x_end);
-    const uint32_t h = patch_side(f->crop_y_begin, f->crop_y_end);
+    const uint32_t w = block_side(f->crop_x_begin, f->crop_x_end);
+    const uint32_t h = block_side(f->crop_y_begin, f->crop_y_end);
     const uint32_t x = min_u32(at.x_px, f->crop_x_end - w), y = min_u32(at.y_px, f->crop_y_end - h);
     return (struct tile_rect){x, y, x + w, y + h};
 }
