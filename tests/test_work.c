@@ -97,7 +97,8 @@ static void is_a_sum(const struct stage *s, const char *name)
        (unsigned long)tile.plain_vertices, (unsigned long)tile.other_vertices);
 }
 
-static void of_document(const char *name, enum sampler_kind sampler, enum integrator_kind integrator)
+static void of_document(const char *name, enum sampler_kind sampler,
+                        enum integrator_kind integrator)
 {
     struct arena arena = {0}, scratch = {0};
     struct scene_disk disk;
@@ -151,6 +152,16 @@ static void of_smooth_ball(bool masked)
 
 /* --- counts that are known --- */
 
+/* Of plain vertices those by an edge are looked at one by one (surface_is_near_edge): one in a
+ * thousand here. */
+static bool same_but_for_edges(const struct film_work *work, const struct film_work *want)
+{
+    struct film_work w = *work;
+    w.plain_vertices += w.other_vertices;
+    w.other_vertices = 0;
+    return work->other_vertices <= work->plain_vertices / 200 && same(&w, want);
+}
+
 static void in_a_furnace(void)
 {
     struct scenes s;
@@ -161,19 +172,20 @@ static void in_a_furnace(void)
     struct film film;
     scenes_render(scenes_stage(&s), 64, &film);
     const struct film_work dark = {16 * 32, 3 * 16 * 64, 0, 3 * 16 * 64, 0};
-    ok(same(&film.work, &dark), "in a dark box each path has three vertices and three rays");
+    ok(same_but_for_edges(&film.work, &dark),
+       "in a dark box each path has three vertices and three rays");
     film_release(&film);
 
     scenes_light(&s, LIGHT_POINT)->point.intensity = rgb_gray(1);
     scenes_render(scenes_stage(&s), 64, &film);
     const struct film_work lit = {16 * 32, 3 * 16 * 64, 3 * 16 * 64, 3 * 16 * 64, 0};
-    ok(same(&film.work, &lit), "and looks at a lamp in the middle from each of them");
+    ok(same_but_for_edges(&film.work, &lit), "and looks at a lamp in the middle from each of them");
     film_release(&film);
 
     s.scene.settings.integrator = INTEGRATOR_DIRECT;
     scenes_render(scenes_stage(&s), 24, &film);
     const struct film_work once = {16 * 16, 16 * 24, 16 * 24, 16 * 24, 0};
-    ok(same(&film.work, &once), "direct light has one; of 24 samples 16 are elders");
+    ok(same_but_for_edges(&film.work, &once), "direct light has one; of 24 samples 16 are elders");
     film_release(&film);
     scenes_release(&s);
 }

@@ -22,7 +22,8 @@ struct tables {
 static inline bool look_up(const struct stage *s, const struct tables *t, uint32_t i,
                            const struct ray_hit *hit, struct found *f)
 {
-    if (hit->place.kind != STAGE_TRIANGLE || hit->instance != STAGE_NONE)
+    if (hit->place.kind != STAGE_TRIANGLE || hit->instance != STAGE_NONE ||
+        surface_is_near_edge(hit))
         return false;
     const struct stage_shape *shape = &t->shapes[stage_shape_of(s, hit->prim)];
     const struct material *m = &t->materials[shape->material];

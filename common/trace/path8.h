@@ -1,7 +1,6 @@
 /* path8.h - paths in step, in the lanes of vectors: what path.c does at one vertex, at eight at
- * once, where the vertices are plain: on a triangle that is no instance's, of a diffuse material
- * without textures.
- * That is most of them in most scenes.
+ * once, where the vertices are plain: inside a triangle (surface_is_near_edge) that is no
+ * instance's, of a diffuse material without textures. That is most of them in most scenes.
  *
  * path.c is the definition. Here is the same arithmetic, operation by operation, so that a path's
  * bits do not depend on where it lives (tests/test_wave.c); whatever is not plain is path.c's,
