@@ -2,13 +2,16 @@
 # make demo       install what is missing, render an example on a farm of processes here
 # make check      install what the tests need, build, run every test     (README: "Tests")
 # make check-long the same under ASan/UBSan and TSan, with gcc and clang
+# make gallery    the pictures of docs/gallery.md, and that page (ARGS=names of some)
 # make mutants    do the tests find planted bugs? (ARGS=words of their names)
 # make bench      measurements, each beside a peer or oracle, in one run
 # make bench-rays                    the ray kernel beside Embree's (ARGS=--quick: half a minute)
 # make bench-accel                   the textbooks' structures beside ours: docs/accel.{csv,svg}
 # make bench-render [BASE=commit]    whole images against a former commit
 # make bench-examples [BASE=commit]  the scenes of scenes/ against a former commit
+# make bench-planner               does the planner choose well? (ARGS=--quick: a third of the work)
 # make bench-cycles                  whole images against Blender's Cycles
+# make charts                        error against work, each method: docs/charts/ (CHARTS=scenes, ARGS=flags)
 # MODE=release|debug|asan|tsan|coverage|fuzz    CC=gcc|clang    WERROR=1    J=jobs at once
 
 MODE   ?= release
@@ -63,8 +66,8 @@ BENCH  := $(patsubst bench/%.c,$(B)/%,$(wildcard bench/bench_*.c))
 TOOLS  := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/tool_*.c))
 FUZZ   := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/fuzz_*.c))
 
-.PHONY: all tests demo pictures check check-unit check-rules check-e2e check-long mutants bench bench-rays bench-accel bench-render \
-	bench-examples bench-cycles fuzz fuzz-run install clean
+.PHONY: all tests demo pictures gallery check check-unit check-rules check-e2e check-long mutants bench bench-rays bench-accel bench-render \
+	bench-examples bench-cycles bench-planner charts fuzz fuzz-run install clean
 .SECONDARY:
 .DELETE_ON_ERROR:
 
@@ -134,6 +137,9 @@ demo:
 pictures: demo # the picture of the README
 	cp demo/cornell-box.png docs/
 
+gallery: all
+	BIN=$(B) python3 docs/gallery/make.py $(ARGS)
+
 check:
 	deploy/install-deps build test
 	$(MAKE) -j$(J) WERROR=1 all tests
@@ -181,8 +187,13 @@ bench-render: all $(B)/tool_local
 	BIN=$(B) BASE=$(BASE) python3 bench/bench_render.py
 bench-examples: all $(B)/tool_local
 	BIN=$(B) BASE=$(BASE) python3 bench/bench_examples.py
+bench-planner: $(B)/bench_planner
+	$< $(ARGS)
 bench-cycles: all $(B)/tool_local
 	BIN=$(B) python3 bench/bench_cycles.py
+CHARTS ?= cornell-box glass-and-metal many-lights materials
+charts: $(B)/smalti # what docs/charts.md shows
+	@for s in $(CHARTS); do $(B)/smalti chart scenes/$$s.json -o docs/charts --size 16 --spp 512 $(ARGS) || exit 1; done
 
 fuzz:
 	$(MAKE) MODE=fuzz CC=clang fuzz-run
@@ -192,7 +203,9 @@ fuzz-run: $(FUZZ)
 install: all
 	install -D -t $(DESTDIR)$(PREFIX)/bin $(B)/smaltid $(B)/smalti-worker $(B)/smalti
 	install -D -m 644 -t $(DESTDIR)$(PREFIX)/share/smalti/scenes scenes/*.json
-	install -D -m 644 -t $(DESTDIR)$(PREFIX)/share/doc/smalti README.md LICENSE docs/*
+	install -D -m 644 -t $(DESTDIR)$(PREFIX)/share/doc/smalti README.md LICENSE docs/*.*
+	install -D -m 644 -t $(DESTDIR)$(PREFIX)/share/doc/smalti/charts docs/charts/*
+	install -D -m 644 -t $(DESTDIR)$(PREFIX)/share/doc/smalti/gallery docs/gallery/*.*
 
 clean:
 	rm -rf build

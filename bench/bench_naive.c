@@ -1,5 +1,5 @@
-/* bench_naive: the path tracer against one that samples materials only (tests/naive_path.h), on the Cornell
- * box: relMSE x CPU seconds of each at equal CPU time, in one run, in alternating slices.
+/* bench_naive: the path tracer against one that samples materials only (tests/naive_path.h), on the
+ * Cornell box: relMSE x CPU seconds of each at equal CPU time, in one run, in alternating slices.
  * Last line: "bench-naive: N times better".
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>

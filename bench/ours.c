@@ -58,7 +58,8 @@ void ours_trace_eights(const struct stage *stage, const struct shots *s, struct 
             for (uint32_t i = 0; i < count; i++)
                 hits[at + i] = any_of(any >> i & 1);
         } else {
-            bvh_hit_closest_8(stage, (1u << count) - 1, rays, found); /* leaves misses as they are */
+            bvh_hit_closest_8(stage, (1u << count) - 1, rays,
+                              found); /* leaves misses as they are */
             for (uint32_t i = 0; i < count; i++)
                 hits[at + i] = hit_of(&found[i]);
         }

@@ -16,8 +16,7 @@ static const double none = (double)NAN; /* a figure there is not */
 
 const char *race_name(enum race_kernel k)
 {
-    static const char *const names[] = {"embree", "robust",  "ours",
-                                        "eights", "packets", "stream"};
+    static const char *const names[] = {"embree", "robust", "ours", "eights", "packets", "stream"};
     _Static_assert(countof(names) == RACE_KERNELS, "a name for each");
     return names[k];
 }

@@ -15,6 +15,7 @@ static const char usage[] =
     "Renders a scene on this machine with a coordinator and workers of its own.\n"
     "\n"
     "  -o, --output FILE   where the image goes (SCENE's name with .exr, here)\n"
+    "  --png FILE          the picture beside it: 8 bits, sRGB (none is kept)\n"
     "  --spp N             stop at N samples per pixel\n"
     "  --error E           stop when the estimated relative error is below E, as in 0.02\n"
     "  --seconds S         stop after S seconds\n"
@@ -34,6 +35,7 @@ static const char usage[] =
 
 struct render {
     const char *scene_file, *output;
+    const char *png; /* or NULL */
     char output_default[512];
     struct scene_target target; /* spp 0: not given */
     struct local_plan plan;
@@ -66,6 +68,7 @@ static bool parse(struct render *r, int argc, char *const *args, int *status)
     struct local_plan *plan = &r->plan;
     const struct flags_entry flags[] = {
         {"output", FLAGS_TEXT, &r->output, 0, 0, 'o'},
+        {"png", FLAGS_TEXT, &r->png, 0, 0, 0},
         {"spp", FLAGS_COUNT, &target->spp, 1, SCENE_MAX_SPP, 0},
         {"error", FLAGS_NUMBER, &target->error, 1e-5, 1, 0},
         {"seconds", FLAGS_NUMBER, &target->seconds, .01, 1e7, 0},
@@ -81,6 +84,12 @@ static bool parse(struct render *r, int argc, char *const *args, int *status)
     r->plan.workers = 1;
     if (!cmd_parse(&spec, argc, args, &r->scene_file, &operands, status))
         return false;
+    if (plan->tile_px && !tile_px_is_sane(plan->tile_px)) {
+        fprintf(stderr, "smalti render: --tile: expected a multiple of %d, got %u\n", TILE_STEP_PX,
+                plan->tile_px);
+        *status = CMD_USAGE;
+        return false;
+    }
     if (!r->plan.threads)
         r->plan.threads = max_u32(local_cores() / r->plan.workers, 1);
     choose_output(r);
@@ -103,7 +112,8 @@ static bool load(struct render *r, int *status)
         *status = CMD_INPUT;
         return false;
     }
-    if (save_possible(r->output, &err))
+    cmd_warn_scene(r->scene_file, &r->scene.scene);
+    if (save_possible(r->output, &err) && (!r->png || save_possible(r->png, &err)))
         return true;
     cmd_fail(&err);
     *status = CMD_SYSTEM;
@@ -119,14 +129,19 @@ static bool submit(struct render *r, struct err *err)
            remote_submit(&r->remote, json, strlen(json), 0, &r->job, NULL, err);
 }
 
+static bool save(struct render *r, const char *image, const char *path, struct err *err)
+{
+    struct buf bytes = {0};
+    const bool good =
+        remote_fetch(&r->remote, r->job.id, image, &bytes, err) && save_file(path, &bytes, err);
+    buf_release(&bytes);
+    return good;
+}
+
 /* False: there is none yet, or it cannot be had or written. */
 static bool save_image(struct render *r, struct err *err)
 {
-    struct buf image = {0};
-    const bool good = remote_fetch(&r->remote, r->job.id, "image.exr", &image, err) &&
-                      save_file(r->output, &image, err);
-    buf_release(&image);
-    return good;
+    return save(r, "image.exr", r->output, err) && (!r->png || save(r, "preview.png", r->png, err));
 }
 
 static int fail(struct render *r, const struct err *err)

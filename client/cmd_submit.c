@@ -8,7 +8,8 @@
 
 static const char usage[] =
     "Usage: smalti submit SCENE [OPTION]...\n"
-    "Sends a scene to a coordinator, after the mesh and image files it does not have yet, and prints\n"
+    "Sends a scene to a coordinator, after the mesh and image files it does not have yet, and "
+    "prints\n"
     "the job's id.\n"
     "\n"
     "  --server URL     ($SMALTI_SERVER, or http://127.0.0.1:7080)\n"
@@ -37,7 +38,7 @@ static int submit(struct remote *remote, const struct scene_disk *scene, int32_t
             printf("%.*s\n", (int)answer.size, (const char *)answer.data);
         fflush(stdout);
         if (wait)
-            status = cmd_follow(remote, job.id, json);
+            status = cmd_follow(remote, job.id, json, false);
         if (status == CMD_INTERRUPTED)
             fprintf(stderr, "smalti: job %s goes on\n", job.id);
     }
@@ -71,6 +72,7 @@ int cmd_submit(int argc, char *const *args)
         !scene_disk_load(&scene, &arena, &unread, &errors)) {
         status = cmd_fail_scene(file, &errors);
     } else if (cmd_open(&remote, server, &status)) {
+        cmd_warn_scene(file, &scene.scene);
         if (wait)
             watch_block();
         status = submit(&remote, &scene, priority, json, wait, &arena);

@@ -6,7 +6,8 @@
 
 static const char usage[] =
     "Usage: smalti watch ID [--server URL] [--json]\n"
-    "Follows a job until it ends. Ctrl-C ends the watching, not the job.\n"
+    "Follows a job until it ends; on a terminal with the curve of its error. Ctrl-C ends the\n"
+    "watching, not the job.\n"
     "\n"
     "  --server URL     ($SMALTI_SERVER, or http://127.0.0.1:7080)\n"
     "  --json           a line of JSON on stdout for every change\n"
@@ -33,7 +34,7 @@ int cmd_watch(int argc, char *const *args)
     if (!cmd_open(&remote, server, &status))
         return status;
     watch_block();
-    status = cmd_follow(&remote, id, json);
+    status = cmd_follow(&remote, id, json, true);
     if (status == CMD_INTERRUPTED)
         fprintf(stderr, "smalti: job %s goes on\n", id);
     remote_close(&remote);

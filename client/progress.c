@@ -53,6 +53,10 @@ void progress_text(const struct remote_job *job, char *out, size_t bytes)
     add(&t, "%3d %%  %u spp", percent(job), job->spp);
     if (job->error >= 0)
         add(&t, "  error %.3g", job->error);
+    if (job->error >= 0 && job->error_high > 0)
+        add(&t, " (%.3g to %.3g)", job->error_low, job->error_high);
+    if (job->error >= 0 && job->untrusted >= .0005)
+        add(&t, "  %.1f %% untrusted", 100 * job->untrusted);
     if (job->rate > 0)
         add_rate(&t, job->rate);
     if (job->workers)
@@ -71,6 +75,19 @@ struct progress progress_make(FILE *out, bool quiet)
     };
 }
 
+/* In the place of what was there before. */
+static void show_above(struct progress *p)
+{
+    if (p->lines)
+        fprintf(p->out, "\r\033[%dA", p->lines);
+    p->lines = 0;
+    for (const char *at = p->above; at && *at; p->lines++) {
+        const int n = (int)strcspn(at, "\n");
+        fprintf(p->out, "\r%.*s\033[K\n", n, at);
+        at += n + (at[n] == '\n');
+    }
+}
+
 static void show_moving(struct progress *p, const struct remote_job *job)
 {
     char bar[BAR + 1], text[160];
@@ -79,6 +96,7 @@ static void show_moving(struct progress *p, const struct remote_job *job)
     memset(bar, '#', full);
     bar[BAR] = 0;
     progress_text(job, text, sizeof text);
+    show_above(p);
     fprintf(p->out, "\r%-9s [%s] %s\033[K", remote_state_name(job->state), bar, text);
     fflush(p->out);
     p->on_line = true;

@@ -15,6 +15,8 @@ struct progress {
     enum remote_state last_state;
     int64_t last_ms;       /* of the last plain line */
     bool started, on_line; /* on_line: the cursor stands behind a moving line */
+    const char *above;     /* lines to show above a moving line, or NULL; the caller's */
+    int lines;             /* of `above` that were shown */
 };
 
 /* MOVING when out is a terminal. */

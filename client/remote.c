@@ -121,6 +121,17 @@ static bool read_state(const json_t *root, enum remote_state *state)
     return false;
 }
 
+/* What the report says of the error: an interval of two numbers, and the pixels it holds for. */
+static void read_report(const json_t *report, struct remote_job *job)
+{
+    const json_t *interval = json_object_get(json_object_get(report, "error"), "interval");
+    const double trusted = number_or(json_object_get(report, "pixels"), "trusted", -1);
+    const bool known = json_array_size(interval) == 2;
+    job->error_low = known ? json_number_value(json_array_get(interval, 0)) : -1;
+    job->error_high = known ? json_number_value(json_array_get(interval, 1)) : -1;
+    job->untrusted = trusted < 0 ? -1 : 1 - trusted;
+}
+
 static bool read_job(const json_t *root, struct remote_job *job, struct err *err)
 {
     *job = (struct remote_job){
@@ -136,6 +147,7 @@ static bool read_job(const json_t *root, struct remote_job *job, struct err *err
         .samples = whole(root, "samples"),
         .invalid_samples = whole(json_object_get(root, "invalid_samples"), "count"),
     };
+    read_report(json_object_get(root, "report"), job);
     copy(job->id, sizeof job->id, root, "id");
     copy(job->title, sizeof job->title, root, "title");
     copy(job->digest, sizeof job->digest, json_object_get(root, "image"), "digest");
@@ -212,6 +224,42 @@ bool remote_look(struct remote *r, const char *id, char etag[80], bool *changed,
     return take_job(&reply.body, job, json, err);
 }
 
+static void read_curve(const json_t *root, struct remote_curve *c)
+{
+    const json_t *points = json_object_get(root, "points"),
+                 *target = json_object_get(root, "target");
+    const size_t count = json_array_size(points), from = count - min_size(count, REMOTE_CURVE);
+    const double pixels = number_or(root, "pixels", 1);
+    *c = (struct remote_curve){
+        .target_error = number_or(target, "error", 0),
+        .forecast_spp = number_or(json_object_get(root, "forecast"), "samples", 0) / pixels,
+    };
+    for (size_t i = from; i < count; i++) {
+        const json_t *p = json_array_get(points, i);
+        c->points[c->count++] =
+            (struct remote_point){number_or(p, "samples", 0) / pixels, number_or(p, "error", 0)};
+    }
+}
+
+bool remote_convergence(struct remote *r, const char *id, struct remote_curve *curve,
+                        struct err *err)
+{
+    char path[64];
+    snprintf(path, sizeof path, "/v1/jobs/%s/convergence", id);
+    struct http_client_reply reply;
+    if (!call(r, simple("GET", path), &reply, err))
+        return false;
+    const struct buf *body = &reply.body;
+    json_t *root = json_loadb(body->size ? (const char *)body->data : "", body->size, 0, NULL);
+    const bool good = json_is_array(json_object_get(root, "points")) ||
+                      err_set(err, ERR_PROTOCOL, "the answer is not a curve");
+    if (good)
+        read_curve(root, curve);
+    json_decref(root);
+    buf_release(&reply.body);
+    return good;
+}
+
 bool remote_list(struct remote *r, struct remote_job *jobs, size_t most, size_t *count,
                  struct buf *json, struct err *err)
 {
@@ -262,6 +310,26 @@ bool remote_has_asset(struct remote *r, const char hex[HASH_HEX], bool *here, st
     if (*here)
         buf_release(&reply.body);
     return *here || err->code == ERR_NOT_FOUND;
+}
+
+bool remote_get_asset(struct remote *r, const char *hex, size_t max_bytes, struct buf *out,
+                      struct err *err)
+{
+    char path[96], found[HASH_HEX];
+    snprintf(path, sizeof path, "/v1/assets/%s", hex);
+    struct http_client_request request = simple("GET", path);
+    request.max_bytes = max_bytes;
+    request.timeout_ms = 0;
+    struct http_client_reply reply;
+    if (!call(r, request, &reply, err))
+        return false;
+    hash_hex(reply.body.data ? reply.body.data : (const unsigned char *)"", reply.body.size, found);
+    if (strcmp(found, hex) != 0) {
+        buf_release(&reply.body);
+        return err_set(err, ERR_PROTOCOL, "the bytes that came have the SHA-256 %s", found);
+    }
+    *out = reply.body;
+    return true;
 }
 
 bool remote_put_asset(struct remote *r, const char hex[HASH_HEX], const struct buf *bytes,

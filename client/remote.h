@@ -30,8 +30,10 @@ struct remote_job {
     char id[17];
     char title[129];
     enum remote_state state;
-    double progress;    /* of the nearest target, 0 to 1 */
-    double error;       /* < 0: not known yet */
+    double progress;              /* of the nearest target, 0 to 1 */
+    double error;                 /* < 0: not known yet */
+    double error_low, error_high; /* its 95 % interval; < 0: not known */
+    double untrusted;   /* share of pixels whose error bars are not to be trusted; < 0: not known */
     double rate;        /* samples per second; < 0: not known */
     double eta_seconds; /* < 0: not known */
     double elapsed_seconds, cpu_seconds;
@@ -39,6 +41,20 @@ struct remote_job {
     uint64_t samples, invalid_samples;
     char digest[HASH_HEX]; /* of the finished image; "" before */
     char failure[512];     /* "" unless it failed */
+};
+
+enum { REMOTE_CURVE = 512 };
+
+struct remote_point {
+    double spp; /* mean of the pixels */
+    double error;
+};
+
+struct remote_curve {
+    struct remote_point points[REMOTE_CURVE]; /* the latest so many, in order */
+    size_t count;
+    double target_error; /* 0: none */
+    double forecast_spp; /* when it should be there; 0: not known, or reached */
 };
 
 bool remote_open(struct remote *, const char *server, struct err *) MUST_CHECK;
@@ -57,6 +73,10 @@ bool remote_cancel(struct remote *, const char *id, struct remote_job *job,
 bool remote_look(struct remote *, const char *id, char etag[80], bool *changed,
                  struct remote_job *job, struct buf *json, struct err *) MUST_CHECK;
 
+/* How the job's error went. */
+bool remote_convergence(struct remote *, const char *id, struct remote_curve *,
+                        struct err *) MUST_CHECK;
+
 /* The newest jobs, at most `most`; *count of them. */
 bool remote_list(struct remote *, struct remote_job *jobs, size_t most, size_t *count,
                  struct buf *json, struct err *) MUST_CHECK;
@@ -67,6 +87,9 @@ bool remote_fetch(struct remote *, const char *id, const char *what, struct buf 
 
 /* Assets, by the SHA-256 of their bytes. */
 bool remote_has_asset(struct remote *, const char hex[HASH_HEX], bool *here,
+                      struct err *) MUST_CHECK;
+/* Appended to the empty `out`; its hash was checked. */
+bool remote_get_asset(struct remote *, const char *hex, size_t max_bytes, struct buf *out,
                       struct err *) MUST_CHECK;
 bool remote_put_asset(struct remote *, const char hex[HASH_HEX], const struct buf *bytes,
                       struct err *) MUST_CHECK;

@@ -42,6 +42,17 @@ static void print_json_line(const struct buf *json)
     fflush(stdout);
 }
 
+/* One that cannot be had is no reason to stop: the line below is what matters. */
+static void look_at_curve(struct watch *w)
+{
+    struct remote_curve curve;
+    struct err err;
+    if (!w->curve || w->progress->style != PROGRESS_MOVING)
+        return;
+    if (remote_convergence(w->remote, w->id, &curve, &err) && plot_draw(&curve, w->plot))
+        w->progress->above = w->plot;
+}
+
 static bool look(struct watch *w, struct err *err)
 {
     struct buf json = {0};
@@ -49,6 +60,8 @@ static bool look(struct watch *w, struct err *err)
     const bool good = remote_look(w->remote, w->id, w->etag, &changed, &w->job, &json, err);
     if (good && changed && w->json)
         print_json_line(&json);
+    if (good && changed)
+        look_at_curve(w);
     buf_release(&json);
     return good;
 }

@@ -6,6 +6,7 @@
 #ifndef CLIENT_WATCH_H
 #define CLIENT_WATCH_H
 
+#include "client/plot.h"
 #include "client/progress.h"
 #include "client/remote.h"
 
@@ -23,10 +24,12 @@ struct watch {
     const char *id;
     struct progress *progress;
     bool json;             /* also a line of JSON per change on stdout */
+    bool curve;            /* draw the error's curve above the moving line (plot.h) */
     struct remote_job job; /* as last seen */
     char etag[80];
     int64_t nap_ms;          /* between two looks */
     int64_t silent_since_ms; /* 0: the last look was answered */
+    char plot[PLOT_BYTES];
 };
 
 void watch_block(void);

@@ -23,7 +23,8 @@ void estimate_pixel(const struct film *f, size_t pixel, double standard_error[3]
     }
 }
 
-double estimate_error(const struct film *f)
+/* What keeps dark pixels from counting without bound: e of the header. */
+static double least_of(const struct film *f)
 {
     const size_t pixels = tile_rect_pixels(f->window);
     double total = 0;
@@ -32,7 +33,13 @@ double estimate_error(const struct film *f)
         film_mean(f, i, mean);
         total += mean[0] + mean[1] + mean[2];
     }
-    const double least = 0.01 * total / (3.0 * (double)pixels);
+    return 0.01 * total / (3.0 * (double)pixels);
+}
+
+double estimate_error(const struct film *f)
+{
+    const size_t pixels = tile_rect_pixels(f->window);
+    const double least = least_of(f);
     double sum = 0;
     for (size_t i = 0; i < pixels; i++) {
         double mean[3], s[3];
@@ -43,4 +50,60 @@ double estimate_error(const struct film *f)
                 sum += s[c] * s[c] / (mean[c] * mean[c] + least * least);
     }
     return sqrt(sum / (3.0 * (double)pixels));
+}
+
+/* Adds to without[r] the squared standard error of all eight, from all but replicate r, times
+ * scale; to the ninth that from all. */
+static void add_jackknife(double without[FILM_REPLICATES + 1], const double m[FILM_REPLICATES],
+                          double scale)
+{
+    enum { R = FILM_REPLICATES };
+    double center = 0, square = 0;
+    for (int r = 0; r < R; r++)
+        center += m[r] / R;
+    for (int r = 0; r < R; r++)
+        square += (m[r] - center) * (m[r] - center);
+    without[R] += scale * square / ((R - 1) * R);
+    for (int r = 0; r < R; r++) { /* the sum of squares, with one value less */
+        const double off = m[r] - center, left = square - off * off * R / (R - 1);
+        without[r] += scale * (left > 0 ? left : 0) / ((R - 2) * R);
+    }
+}
+
+static void jackknife_pixel(const struct film *f, size_t pixel, double least,
+                            double without[FILM_REPLICATES + 1])
+{
+    const float *sums = f->replicate + pixel * FILM_CHANNELS;
+    double mean[3], m[FILM_REPLICATES];
+    film_mean(f, pixel, mean);
+    for (uint32_t c = 0; c < 3; c++) {
+        const double y2 = mean[c] * mean[c] + least * least;
+        if (!(y2 > 0))
+            continue;
+        for (uint32_t r = 0; r < FILM_REPLICATES; r++)
+            m[r] = (double)sums[3 * r + c] / film_replicate_spp(f->spp[pixel], r);
+        add_jackknife(without, m, 1 / y2);
+    }
+}
+
+struct estimate_interval estimate_interval(const struct film *f)
+{
+    enum { R = FILM_REPLICATES };
+    const size_t pixels = tile_rect_pixels(f->window);
+    const double least = least_of(f);
+    double without[R + 1] = {0}, pseudo[R], center = 0, spread = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        if (f->spp[i] < R)
+            return (struct estimate_interval){0, (double)INFINITY};
+        jackknife_pixel(f, i, least, without);
+    }
+    for (int r = 0; r < R; r++) {
+        pseudo[r] = R * without[R] - (R - 1) * without[r];
+        center += pseudo[r] / R;
+    }
+    for (int r = 0; r < R; r++)
+        spread += (pseudo[r] - center) * (pseudo[r] - center);
+    const double wide = 2.365 * sqrt(spread / (R * (R - 1)));
+    const double low = without[R] - wide, high = without[R] + wide, n = 3.0 * (double)pixels;
+    return (struct estimate_interval){low > 0 ? sqrt(low / n) : 0, sqrt(high / n)};
 }

@@ -11,14 +11,27 @@
  *
  * y the pixel's mean: the same form as the relMSE of `smalti diff`, so an error of 0.02
  * reads "the image is 2 % RMS away from its limit". Sums run in pixel order in double, so the
- * number is the same on every machine. Pure functions.
- * SPDX-License-Identifier: MIT */
+ * number is the same on every machine.
+ *
+ * How well the error itself is known: the sum of s^2 / (y^2 + e^2) is computed from all replicates
+ * and from each seven of them (the jackknife; y and e stay those of all samples). With U of all and
+ * U_r without replicate r, 8 U - 7 U_r are eight values whose spread is that of U, and U +- 2.365
+ * times their standard error, 7 degrees of freedom, is a 95 % interval of U; its roots are the
+ * error's. What no sample has shown yet it cannot know: evidence.h says where that may be much.
+ * Pure functions. SPDX-License-Identifier: MIT */
 #ifndef COMMON_ESTIMATE_H
 #define COMMON_ESTIMATE_H
 
 #include "common/film.h"
 
 void estimate_pixel(const struct film *, size_t pixel, double standard_error[3]);
+struct estimate_interval {
+    double low, high;
+};
+
+/* 95 %, of estimate_error; [0, +infinity] while that is unknown. */
+struct estimate_interval estimate_interval(const struct film *);
+
 double estimate_error(const struct film *); /* +infinity while any pixel's is unknown;
                                              * 0 for an image that is black everywhere */
 

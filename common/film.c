@@ -2,6 +2,7 @@
 #include "common/film.h"
 
 #include <assert.h>
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,6 +13,7 @@ void film_work_add(struct film_work *w, const struct film_work *more)
     w->shadow_rays += more->shadow_rays;
     w->plain_vertices += more->plain_vertices;
     w->other_vertices += more->other_vertices;
+    w->units += more->units;
 }
 
 struct film_samples film_samples_make(struct tile_rect rect, struct tile_pass pass,
@@ -22,6 +24,7 @@ struct film_samples film_samples_make(struct tile_rect rect, struct tile_pass pa
         .rect = rect,
         .pass = pass,
         .sums = arena_new(arena, float, (size_t)tile_rect_pixels(rect) * FILM_CHANNELS),
+        .blocks = arena_new(arena, struct block, block_count(rect)),
     };
 }
 
@@ -48,6 +51,8 @@ void film_init(struct film *f, struct tile_rect window)
         .sum = arena_malloc(pixels, 3 * sizeof *f->sum),
         .replicate = arena_malloc(pixels, FILM_CHANNELS * sizeof *f->replicate),
         .spp = arena_malloc(pixels, sizeof *f->spp),
+        .blocks = arena_malloc(block_count(window), sizeof *f->blocks),
+        .variance = arena_malloc(block_count(window), BLOCK_DOUBLINGS * sizeof *f->variance),
     };
 }
 
@@ -56,13 +61,15 @@ void film_add_layers(struct film *f, uint32_t layers)
     assert(!f->layers);
     f->layers = layers;
     if (layers)
-        f->layer = arena_malloc(tile_rect_pixels(f->window),
-                                layers_channels(layers) * sizeof *f->layer);
+        f->layer =
+            arena_malloc(tile_rect_pixels(f->window), layers_channels(layers) * sizeof *f->layer);
 }
 
 void film_release(struct film *f)
 {
     free(f->layer);
+    free(f->blocks);
+    free(f->variance);
     free(f->sum);
     free(f->replicate);
     free(f->spp);
@@ -72,8 +79,31 @@ void film_release(struct film *f)
 size_t film_bytes(const struct film *f)
 {
     return (size_t)tile_rect_pixels(f->window) *
-           (3 * sizeof *f->sum + FILM_CHANNELS * sizeof *f->replicate + sizeof *f->spp +
-            layers_channels(f->layers) * sizeof *f->layer);
+               (3 * sizeof *f->sum + FILM_CHANNELS * sizeof *f->replicate + sizeof *f->spp +
+                layers_channels(f->layers) * sizeof *f->layer) +
+           block_count(f->window) * (sizeof *f->blocks + BLOCK_DOUBLINGS * sizeof *f->variance);
+}
+
+void film_copy(struct film *to, const struct film *from)
+{
+    const size_t pixels = tile_rect_pixels(from->window), blocks = block_count(from->window);
+    struct film copy;
+    film_init(&copy, from->window);
+    film_add_layers(&copy, from->layers);
+    memcpy(copy.sum, from->sum, pixels * 3 * sizeof *copy.sum);
+    memcpy(copy.replicate, from->replicate, pixels * FILM_CHANNELS * sizeof *copy.replicate);
+    memcpy(copy.spp, from->spp, pixels * sizeof *copy.spp);
+    memcpy(copy.blocks, from->blocks, blocks * sizeof *copy.blocks);
+    memcpy(copy.variance, from->variance, blocks * BLOCK_DOUBLINGS * sizeof *copy.variance);
+    if (from->layer)
+        memcpy(copy.layer, from->layer,
+               pixels * layers_channels(from->layers) * sizeof *copy.layer);
+    copy.dropped = from->dropped;
+    copy.work = from->work;
+    copy.invalid_count = from->invalid_count;
+    copy.key_count = from->key_count;
+    memcpy(copy.keys, from->keys, sizeof copy.keys);
+    *to = copy;
 }
 
 static void merge_pixel(struct film *f, size_t at, const float *sums, struct tile_pass pass)
@@ -97,6 +127,39 @@ static void merge_layers(double *to, const float *sums, uint32_t channels)
         to[i] += (double)sums[i];
 }
 
+/* The doublings of a block's samples, 8 of each pixel being the first. */
+static bool is_doubling(uint32_t spp)
+{
+    return spp >= FILM_REPLICATES && (spp & (spp - 1)) == 0;
+}
+
+static void merge_block(struct film *f, size_t at, const struct block *more, uint32_t spp)
+{
+    struct block *b = &f->blocks[at];
+    block_merge(b, more);
+    if (!is_doubling(spp))
+        return;
+    float *v = f->variance + at * BLOCK_DOUBLINGS;
+    const double n = (double)tile_rect_pixels(block_rect_of(f->window, at)) * spp;
+    memmove(v, v + 1, (BLOCK_DOUBLINGS - 1) * sizeof *v);
+    const double now = block_variance(b, n);
+    v[BLOCK_DOUBLINGS - 1] = now < (double)FLT_MAX ? (float)now : FLT_MAX;
+}
+
+static void merge_blocks(struct film *f, const struct film_samples *s)
+{
+    const struct tile_rect w = f->window, r = s->rect;
+    const uint32_t x = r.x_begin - w.x_begin, y = r.y_begin - w.y_begin;
+    assert(x % BLOCK_PX == 0 && y % BLOCK_PX == 0 && s->blocks);
+    assert((r.x_end - w.x_begin) % BLOCK_PX == 0 || r.x_end == w.x_end);
+    assert((r.y_end - w.y_begin) % BLOCK_PX == 0 || r.y_end == w.y_end);
+    const uint32_t columns = block_columns(r), stride = block_columns(w);
+    for (uint32_t j = 0; j < block_rows(r); j++)
+        for (uint32_t i = 0; i < columns; i++)
+            merge_block(f, (size_t)(y / BLOCK_PX + j) * stride + x / BLOCK_PX + i,
+                        &s->blocks[(size_t)j * columns + i], s->pass.s_end);
+}
+
 static bool key_before(struct film_key a, struct film_key b)
 {
     if (a.y_px != b.y_px)
@@ -106,8 +169,8 @@ static bool key_before(struct film_key a, struct film_key b)
     return a.sample < b.sample;
 }
 
-/* Insertion sort into the smallest FILM_MAX_KEYS. Tile samples are cut in the same order, so the list
- * does not depend on tile size or order of arrival. */
+/* Insertion sort into the smallest FILM_MAX_KEYS. Tile samples are cut in the same order, so the
+ * list does not depend on tile size or order of arrival. */
 static void keep_key(struct film *f, struct film_key key)
 {
     uint32_t at = f->key_count;
@@ -138,7 +201,10 @@ void film_merge(struct film *f, const struct film_samples *s)
             merge_layers(f->layer + at * channels, layer, (uint32_t)channels);
             layer += channels;
         }
+    merge_blocks(f, s);
     film_work_add(&f->work, &s->work);
+    f->dropped.degenerate = max_u32(f->dropped.degenerate, s->dropped.degenerate);
+    f->dropped.nonfinite = max_u32(f->dropped.nonfinite, s->dropped.nonfinite);
     f->invalid_count += s->invalid_count;
     for (uint32_t i = 0; i < s->key_count; i++)
         keep_key(f, s->keys[i]);

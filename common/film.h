@@ -10,12 +10,15 @@
  * replicate's sum once to float, which is what travels; the film adds passes in pass
  * order. Merging anything else than the next pass is a caller's bug (assert).
  *
+ * Beside sums there is evidence of what samples were like, by blocks of pixels (block.h).
+ *
  * A film belongs to one thread at a time. Pure: no I/O, no clock.
  * SPDX-License-Identifier: MIT */
 #ifndef COMMON_FILM_H
 #define COMMON_FILM_H
 
 #include "common/arena.h"
+#include "common/block.h"
 #include "common/color.h"
 #include "common/layers.h"
 #include "common/tile.h"
@@ -26,35 +29,45 @@ enum {
     FILM_MAX_KEYS = 16,
 };
 
-/* A sample that came out negative, not finite or above 2^102: it counts as black and can be traced again. */
+/* A sample that came out negative, not finite or above 2^102: it counts as black and can be traced
+ * again. */
 struct film_key {
     uint32_t x_px, y_px, sample;
 };
 
 /* The work that samples have taken, in rays and vertices: a sum over samples, of what each sample
  * asks for by itself. So it does not depend on who traces it, beside which others, in which order
- * or in how many lanes. (Two siblings share a camera ray, common/trace/rng.h: it is the elder's.) */
+ * or in how many lanes. (Two siblings share a camera ray, common/trace/rng.h: it is the elder's.)
+ */
 struct film_work {
     uint64_t camera_rays;
     uint64_t bounce_rays; /* other rays of which the nearest hit was asked for */
     uint64_t shadow_rays; /* rays of which any hit was */
     /* From which a path tried to go on: of the kind that lanes know (path8.h), of all others */
     uint64_t plain_vertices, other_vertices;
+    uint64_t units; /* of all these, at the scene's prices (common/trace/work.h): one number */
 };
 
 void film_work_add(struct film_work *, const struct film_work *more);
 
+struct film_dropped { /* triangles that the scene was prepared without */
+    uint32_t degenerate, nonfinite;
+};
+
 struct film_samples {
     struct tile_rect rect;
     struct tile_pass pass;
-    float *sums; /* [row][column][replicate][rgb], rows of rect from the top; owned by the arena
-                  * given to film_samples_make */
-    uint32_t layers;   /* layers.h; 0: none */
-    float *layer_sums; /* [row][column][layers_channels(layers)]; NULL for none. Finite */
+    float *sums;     /* [row][column][replicate][rgb], rows of rect from the top; owned by the arena
+                      * given to film_samples_make */
+    uint32_t layers; /* layers.h; 0: none */
+    float *layer_sums;    /* [row][column][layers_channels(layers)]; NULL for none. Finite */
+    struct block *blocks; /* [row][column] of blocks of rect; of the same arena. NULL: of a message
+                           * of an older version */
+    struct film_dropped dropped;
     struct film_work work;
-    uint64_t invalid_count;               /* all of them */
-    uint32_t key_count;                   /* min(invalid_count, FILM_MAX_KEYS) */
-    struct film_key keys[FILM_MAX_KEYS];  /* the first ones in (y, x, sample) order */
+    uint64_t invalid_count;              /* all of them */
+    uint32_t key_count;                  /* min(invalid_count, FILM_MAX_KEYS) */
+    struct film_key keys[FILM_MAX_KEYS]; /* the first ones in (y, x, sample) order */
 };
 
 struct film_samples film_samples_make(struct tile_rect, struct tile_pass, struct arena *);
@@ -67,7 +80,11 @@ struct film {
     float *replicate;        /* [row][column][replicate][rgb] */
     uint32_t *spp;           /* [row][column]: samples merged, always the indices [0, spp) */
     uint32_t layers;         /* layers.h; 0: none */
-    double *layer;           /* [row][column][layers_channels(layers)]: all samples; NULL for none */
+    double *layer;        /* [row][column][layers_channels(layers)]: all samples; NULL for none */
+    struct block *blocks; /* [row][column] of blocks of the window */
+    float *variance; /* [block][BLOCK_DOUBLINGS]: of a sample, when 8, 16, 32 ... of each pixel were
+                      * merged, the latest last; 0 before */
+    struct film_dropped dropped;
     struct film_work work;
     uint64_t invalid_count;
     uint32_t key_count;
@@ -76,10 +93,12 @@ struct film {
 
 void film_init(struct film *, struct tile_rect window); /* heap; all zero */
 void film_add_layers(struct film *, uint32_t layers);   /* the same; once, before any sample */
+void film_copy(struct film *, const struct film *from); /* inits it */
 void film_release(struct film *);
 size_t film_bytes(const struct film *); /* memory of its arrays, by window and layers */
 
-/* Adds the samples, which have the film's layers. Every pixel of samples->rect holds [0,
+/* Adds the samples, which have the film's layers and blocks of their own. samples->rect begins
+ * where a block does, and ends where one does or the window. Every pixel of it holds [0,
  * samples->pass.s_begin) so far. */
 void film_merge(struct film *, const struct film_samples *);
 

@@ -7,8 +7,9 @@
 #include <string.h>
 
 #include "common/estimate.h"
+#include "common/evidence.h"
 
-enum { IMAGE_CHANNELS = 8, MOST_CHANNELS = IMAGE_CHANNELS + LAYERS_MAX_CHANNELS };
+enum { IMAGE_CHANNELS = 10, MOST_CHANNELS = IMAGE_CHANNELS + LAYERS_MAX_CHANNELS };
 
 /* Channels are added as they come and sorted in the end. */
 struct builder {
@@ -50,6 +51,23 @@ static void add_image(struct builder *b, const struct film *film)
         }
     }
     memcpy(add_channel(b, "samples", IMAGE_UINT32), film->spp, b->pixels * sizeof *film->spp);
+}
+
+static const char neff_name[] = "error.neff", verdict_name[] = "error.verdict";
+
+static void add_evidence(struct builder *b, const struct film *film)
+{
+    const struct evidence e = evidence_make(film, b->arena);
+    const struct tile_rect w = film->window;
+    float *neff = add_channel(b, neff_name, IMAGE_FLOAT32);
+    uint32_t *verdict = add_channel(b, verdict_name, IMAGE_UINT32);
+    for (uint32_t y = 0; y < w.y_end - w.y_begin; y++)
+        for (uint32_t x = 0; x < w.x_end - w.x_begin; x++) {
+            const struct evidence_block *at =
+                &e.blocks[(size_t)(y / BLOCK_PX) * e.columns + x / BLOCK_PX];
+            *neff++ = at->neff;
+            *verdict++ = at->verdict;
+        }
 }
 
 /* ---- layers ---- */
@@ -133,6 +151,7 @@ struct image image_from_film(const struct film *film, uint32_t width_px, uint32_
     };
     struct builder b = {&image, arena, tile_rect_pixels(film->window)};
     add_image(&b, film);
+    add_evidence(&b, film);
     add_surface(&b, film);
     add_bounces(&b, film);
     qsort(image.channels, image.channel_count, sizeof *image.channels, by_name);
@@ -157,16 +176,24 @@ static void add_u32(struct hash *h, uint32_t v)
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
                "pixels are hashed as they lie in memory");
 
+static bool is_hashed(const struct image_channel *c)
+{
+    return strcmp(c->name, neff_name) != 0 && strcmp(c->name, verdict_name) != 0;
+}
+
 void image_digest(const struct image *image, char hex[HASH_HEX])
 {
     struct hash *h = hash_new();
     for (size_t c = 0; c < image->channel_count; c++) {
+        if (!is_hashed(&image->channels[c]))
+            continue;
         hash_add(h, image->channels[c].name, strlen(image->channels[c].name) + 1);
         add_u32(h, image->channels[c].type);
     }
     add_u32(h, image->window.x_end - image->window.x_begin);
     add_u32(h, image->window.y_end - image->window.y_begin);
     for (size_t c = 0; c < image->channel_count; c++)
-        hash_add(h, image->channels[c].pixels, (size_t)tile_rect_pixels(image->window) * 4);
+        if (is_hashed(&image->channels[c]))
+            hash_add(h, image->channels[c].pixels, (size_t)tile_rect_pixels(image->window) * 4);
     hash_finish(h, hex);
 }

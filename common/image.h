@@ -26,7 +26,9 @@ struct image {
 };
 
 /* R G B: mean radiance. A: 1. error.R error.G error.B: standard error of the mean (+infinity: not
- * known yet). samples: samples per pixel. And of the film's layers (layers.h):
+ * known yet). error.neff, error.verdict: of the pixel's block (evidence.h), the effective number of
+ * its samples, and whether the standard error may be trusted: u32, 0 it may, 1 unknown, 2 a heavy
+ * tail. samples: samples per pixel. And of the film's layers (layers.h):
  *
  *     albedo.R .G .B      mean over all samples
  *     normal.X .Y .Z      mean over all samples: shorter than 1 where surfaces meet
@@ -41,9 +43,10 @@ struct image image_from_film(const struct film *, uint32_t width_px, uint32_t he
 
 const struct image_channel *image_find(const struct image *, const char *name); /* or NULL */
 
-/* SHA-256 over, all little-endian: for each channel its name with NUL and its type (u32); window's width
- * and height (u32 each); then for each channel its pixels, rows from the top. Attributes and
- * compression do not take part. */
+/* SHA-256 over, all little-endian: for each channel its name with NUL and its type (u32); window's
+ * width and height (u32 each); then for each channel its pixels, rows from the top. Attributes and
+ * compression do not take part, nor do error.neff and error.verdict: they are opinions of the same
+ * samples, and may become better ones. */
 void image_digest(const struct image *, char hex[HASH_HEX]);
 
 #endif

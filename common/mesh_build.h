@@ -9,10 +9,21 @@
 #include "common/buf.h"
 #include "common/mesh.h"
 
+#define MESH_NONE UINT32_MAX
+
+struct mesh_corner { /* of a face: numbers from 0 */
+    uint32_t vertex;
+    uint32_t uv, normal; /* that it names itself, or MESH_NONE */
+};
+
 struct mesh_build {
     struct buf vertices; /* float[3] each */
     struct buf indices;  /* uint32_t[3] each */
-    struct buf polygon;  /* uint32_t: corners of the face in hand */
+    struct buf polygon;  /* struct mesh_corner: the face in hand */
+    /* Of each vertex, or for corners to name; empty: there are none. */
+    struct buf normals, uvs; /* float[3], float[2] each; as struct mesh has them */
+    struct buf colors;       /* float[3] each, of the first vertices: those behind them are white */
+    struct buf corners;      /* struct mesh_corner[3] of each triangle; empty: they name nothing */
 };
 
 static inline size_t mesh_build_vertices(const struct mesh_build *b)
@@ -21,10 +32,19 @@ static inline size_t mesh_build_vertices(const struct mesh_build *b)
 }
 
 bool mesh_build_vertex(struct mesh_build *, const double p[3], struct err *) MUST_CHECK;
+bool mesh_build_normal(struct mesh_build *, const double n[3], struct err *) MUST_CHECK;
+bool mesh_build_uv(struct mesh_build *, const double uv[2], struct err *) MUST_CHECK;
+/* Of the last vertex. white: sRGB-encoded, in [0, white]; 0: linear. */
+bool mesh_build_color(struct mesh_build *, const double c[3], double white,
+                      struct err *) MUST_CHECK;
 /* What stands in `polygon`, as a fan around its first corner; then empties it. */
 bool mesh_build_polygon(struct mesh_build *, struct err *) MUST_CHECK;
-bool mesh_build_triangle(struct mesh_build *, uint32_t a, uint32_t b, uint32_t c,
-                         struct err *) MUST_CHECK;
+bool mesh_build_triangle(struct mesh_build *, const struct mesh_corner[3], struct err *) MUST_CHECK;
+/* The colors of all vertices, if there are any. */
+void mesh_build_whiten(struct mesh_build *);
+/* What corners name, given to vertices (mesh_split.c): afterwards normals and uvs are of each
+ * vertex, or none are. */
+void mesh_build_split(struct mesh_build *);
 
 struct mesh_span { /* [at, end) */
     const char *at, *end;

@@ -87,7 +87,7 @@ static bool list_count(struct ply *p, const struct ply_property *property, size_
     return true;
 }
 
-/* Indices into `polygon`; -1, which ends a strip, as UINT32_MAX. */
+/* Corners into `polygon`; -1, which ends a strip, as vertex MESH_NONE. */
 static bool index_list_read(struct ply *p, const struct ply_property *property, bool strips,
                             struct mesh_build *b, struct err *err)
 {
@@ -103,36 +103,31 @@ static bool index_list_read(struct ply *p, const struct ply_property *property, 
         if (!end && !(v >= 0 && v < p->vertex_count && v == floor(v)))
             return err_set(err, ERR_INPUT, "expected a vertex from 0 to %.0f, got %g",
                            p->vertex_count - 1, v);
-        const uint32_t index = end ? UINT32_MAX : (uint32_t)v;
-        buf_append(&b->polygon, &index, sizeof index);
+        const uint32_t index = end ? MESH_NONE : (uint32_t)v;
+        buf_append(&b->polygon, &(struct mesh_corner){index, MESH_NONE, MESH_NONE},
+                   sizeof(struct mesh_corner));
     }
     return true;
-}
-
-static bool strip_end(uint32_t index)
-{
-    return index == UINT32_MAX;
 }
 
 /* Each corner after the second makes a triangle with the two before it; every other one is
  * turned round. Strips are joined by repeated corners: those triangles have no area. */
 static bool strips_cut(struct mesh_build *b, struct err *err)
 {
-    const size_t count = b->polygon.size / sizeof(uint32_t);
-    uint32_t last[2] = {UINT32_MAX, UINT32_MAX};
+    const struct mesh_corner *corner = (const struct mesh_corner *)(const void *)b->polygon.data;
+    const size_t count = b->polygon.size / sizeof *corner;
     size_t length = 0; /* corners of this strip so far */
     for (size_t i = 0; i < count; i++) {
-        uint32_t v;
-        memcpy(&v, b->polygon.data + i * sizeof v, sizeof v);
-        length = strip_end(v) ? 0 : length + 1;
-        const bool area = v != last[0] && v != last[1] && last[0] != last[1];
-        if (length >= 3 && area) {
-            const bool odd = length % 2 == 0;
-            if (!mesh_build_triangle(b, last[odd], last[!odd], v, err))
-                return false;
-        }
-        last[0] = last[1];
-        last[1] = v;
+        length = corner[i].vertex == MESH_NONE ? 0 : length + 1;
+        if (length < 3)
+            continue;
+        const uint32_t u = corner[i - 2].vertex, v = corner[i - 1].vertex, w = corner[i].vertex;
+        const size_t odd = length % 2 == 0;
+        if (u != v && v != w && w != u &&
+            !mesh_build_triangle(
+                b, (struct mesh_corner[3]){corner[i - 2 + odd], corner[i - 1 - odd], corner[i]},
+                err))
+            return false;
     }
     b->polygon.size = 0;
     return true;
@@ -151,33 +146,32 @@ static bool list_skip(struct ply *p, const struct ply_property *property, struct
     return true;
 }
 
+static bool vertex_add(const struct ply_element *e, const double number[PLY_NUMBERS],
+                       struct mesh_build *b, struct err *err)
+{
+    return mesh_build_vertex(b, &number[PLY_X], err) &&
+           (!e->has_normal || mesh_build_normal(b, &number[PLY_NX], err)) &&
+           (!e->has_uv || mesh_build_uv(b, &number[PLY_U], err)) &&
+           (!e->has_color || mesh_build_color(b, &number[PLY_RED], e->white, err));
+}
+
 static bool properties_read(struct ply *p, const struct ply_element *e, struct mesh_build *b,
                             struct err *err)
 {
-    double xyz[3] = {0}, ignored;
+    double number[PLY_NUMBERS], ignored;
     for (size_t i = e->property_begin; i < e->property_end; i++) {
         const struct ply_property *property = &p->properties[i];
-        switch (property->role) {
-        case PLY_X:
-        case PLY_Y:
-        case PLY_Z:
-            if (!value_read(p, property->type, &xyz[property->role - PLY_X], err))
-                return false;
-            break;
-        case PLY_INDICES:
-            if (!index_list_read(p, property, e->role == PLY_STRIPS, b, err))
-                return false;
-            break;
-        case PLY_PASSED:
-            if (property->is_list ? !list_skip(p, property, err)
-                                  : !value_read(p, property->type, &ignored, err))
-                return false;
-            break;
-        }
+        const bool used = property->role < PLY_NUMBERS;
+        if (property->role == PLY_INDICES
+                ? !index_list_read(p, property, e->role == PLY_STRIPS, b, err)
+            : property->is_list
+                ? !list_skip(p, property, err)
+                : !value_read(p, property->type, used ? &number[property->role] : &ignored, err))
+            return false;
     }
     switch (e->role) {
     case PLY_VERTEX:
-        return mesh_build_vertex(b, xyz, err);
+        return vertex_add(e, number, b, err);
     case PLY_FACE:
         return mesh_build_polygon(b, err);
     case PLY_STRIPS:

@@ -27,7 +27,23 @@ struct ply_type_name {
 
 extern const struct ply_type_name mesh_ply_types[PLY_FLOAT64 + 1];
 
-enum ply_property_role { PLY_X, PLY_Y, PLY_Z, PLY_INDICES, PLY_PASSED };
+enum ply_property_role {
+    /* A number of a vertex: */
+    PLY_X,
+    PLY_Y,
+    PLY_Z,
+    PLY_NX,
+    PLY_NY,
+    PLY_NZ,
+    PLY_U,
+    PLY_V,
+    PLY_RED,
+    PLY_GREEN,
+    PLY_BLUE,
+    PLY_NUMBERS, /* as many */
+    PLY_INDICES = PLY_NUMBERS,
+    PLY_PASSED
+};
 
 struct ply_property {
     struct mesh_span name;
@@ -41,6 +57,8 @@ enum ply_element_role { PLY_VERTEX, PLY_FACE, PLY_STRIPS, PLY_OTHER };
 struct ply_element {
     struct mesh_span name; /* in the file; no longer than PLY_MAX_WORD */
     enum ply_element_role role;
+    bool has_normal, has_uv, has_color; /* a vertex */
+    double white;                       /* of its colors, as mesh_build_color has it */
     uint64_t count;
     size_t property_begin, property_end; /* into ply.properties */
 };
@@ -61,7 +79,8 @@ struct ply {
 };
 
 /* Leaves `file` at the first byte of the first row. The rows that need it find: vertices before
- * faces and strips, x, y, z in a vertex, one list of indices in a face or strip. */
+ * faces and strips, x, y, z in a vertex, normals, texture coordinates and colors whole or not at
+ * all, one list of indices in a face or strip. */
 bool mesh_ply_header(struct ply *, struct err *) MUST_CHECK;
 void mesh_ply_line(struct ply *); /* sets `line`, moves `file` behind it */
 size_t mesh_ply_row_bytes(const struct ply *, const struct ply_element *); /* the fewest; not 0 */

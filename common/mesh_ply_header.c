@@ -108,14 +108,19 @@ static bool element_add(struct ply *p, struct err *err)
 
 static enum ply_property_role role_of(const struct ply_element *e, const struct ply_property *p)
 {
-    if (e->role == PLY_VERTEX && !p->is_list) {
-        if (mesh_span_is(p->name, "x"))
-            return PLY_X;
-        if (mesh_span_is(p->name, "y"))
-            return PLY_Y;
-        if (mesh_span_is(p->name, "z"))
-            return PLY_Z;
-    }
+    static const struct {
+        const char *name;
+        enum ply_property_role role;
+    } known[] = {{"x", PLY_X},         {"y", PLY_Y},         {"z", PLY_Z},
+                 {"nx", PLY_NX},       {"ny", PLY_NY},       {"nz", PLY_NZ},
+                 {"s", PLY_U},         {"t", PLY_V},         {"u", PLY_U},
+                 {"v", PLY_V},         {"texture_u", PLY_U}, {"texture_v", PLY_V},
+                 {"texture_s", PLY_U}, {"texture_t", PLY_V}, {"red", PLY_RED},
+                 {"green", PLY_GREEN}, {"blue", PLY_BLUE}};
+    if (e->role == PLY_VERTEX && !p->is_list)
+        for (size_t i = 0; i < countof(known); i++)
+            if (mesh_span_is(p->name, known[i].name))
+                return known[i].role;
     if ((e->role == PLY_FACE || e->role == PLY_STRIPS) && p->is_list &&
         (mesh_span_is(p->name, "vertex_indices") || mesh_span_is(p->name, "vertex_index")))
         return PLY_INDICES;
@@ -157,20 +162,66 @@ static size_t role_count(const struct ply *p, const struct ply_element *e,
     return count;
 }
 
-static bool element_check(struct ply *p, const struct ply_element *e, struct err *err)
+/* Properties that only together mean something: *some are there once each, or none is. */
+static bool group_check(const struct ply *p, const struct ply_element *e,
+                        enum ply_property_role first, enum ply_property_role last, bool *some)
+{
+    size_t least = SIZE_MAX, most = 0;
+    for (int role = (int)first; role <= (int)last; role++) {
+        const size_t count = role_count(p, e, (enum ply_property_role)role);
+        least = min_size(least, count);
+        most = most > count ? most : count;
+    }
+    *some = most > 0;
+    return most == 0 || (most == 1 && least == 1);
+}
+
+/* Bytes and such are sRGB-encoded, floats linear: so say those who write them. */
+static bool color_check(const struct ply *p, struct ply_element *e, struct err *err)
+{
+    enum ply_type type = PLY_FLOAT32;
+    size_t same = 0;
+    for (size_t i = e->property_begin; i < e->property_end; i++) {
+        const enum ply_property_role role = p->properties[i].role;
+        if (role < PLY_RED || role > PLY_BLUE)
+            continue;
+        type = same ? type : p->properties[i].type;
+        same += p->properties[i].type == type;
+    }
+    e->white = type == PLY_UINT8 ? 255 : type == PLY_UINT16 ? 65535 : 0;
+    if (same == 3 && (e->white > 0 || type >= PLY_FLOAT32))
+        return true;
+    return err_set(err, ERR_INPUT,
+                   "expected red, green and blue of one type: uchar, ushort, float or double");
+}
+
+static bool vertex_check(struct ply *p, struct ply_element *e, struct err *err)
+{
+    bool some;
+    if (p->vertex_count >= 0)
+        return err_set(err, ERR_INPUT, "expected one element \"vertex\", got two");
+    p->vertex_count = (double)e->count;
+    if (!group_check(p, e, PLY_X, PLY_Z, &some) || !some)
+        return err_set(err, ERR_INPUT,
+                       "expected x, y and z once each among the properties of a vertex");
+    if (!group_check(p, e, PLY_NX, PLY_NZ, &e->has_normal))
+        return err_set(err, ERR_INPUT, "expected nx, ny and nz once each, or none of them");
+    if (!group_check(p, e, PLY_U, PLY_V, &e->has_uv))
+        return err_set(err, ERR_INPUT,
+                       "expected one pair of texture coordinates (s and t, u and v, texture_u and "
+                       "texture_v, texture_s and texture_t), or none");
+    if (!group_check(p, e, PLY_RED, PLY_BLUE, &e->has_color))
+        return err_set(err, ERR_INPUT, "expected red, green and blue once each, or none of them");
+    return !e->has_color || color_check(p, e, err);
+}
+
+static bool element_check(struct ply *p, struct ply_element *e, struct err *err)
 {
     if (e->property_begin == e->property_end)
         return err_set(err, ERR_INPUT, "expected a property in every element");
     switch (e->role) {
     case PLY_VERTEX:
-        if (p->vertex_count >= 0)
-            return err_set(err, ERR_INPUT, "expected one element \"vertex\", got two");
-        p->vertex_count = (double)e->count;
-        for (int role = PLY_X; role <= PLY_Z; role++)
-            if (role_count(p, e, (enum ply_property_role)role) != 1)
-                return err_set(err, ERR_INPUT,
-                               "expected x, y and z once each among the properties of a vertex");
-        return true;
+        return vertex_check(p, e, err);
     case PLY_FACE:
     case PLY_STRIPS:
         if (p->vertex_count < 0)

@@ -140,6 +140,17 @@ struct material_slot {
     float scale[3];   /* times the texture's value; of a float: scale[0] */
 };
 
+#define SCENE_NO_TEXTURE UINT32_MAX
+
+/* Shading normals from textures. */
+struct material_relief {
+    uint32_t normal_map; /* of scene.textures, an image of linear numbers; or SCENE_NO_TEXTURE */
+    float strength;      /* times its x and y */
+    uint32_t bump;       /* an image, or SCENE_NO_TEXTURE */
+    enum material_channel channel; /* of that */
+    float height;                  /* m, of the value 1 */
+};
+
 struct material {
     const char *name;
     enum material_kind kind;
@@ -147,6 +158,7 @@ struct material {
     struct inside inside;
     uint32_t slot_begin, slot_end; /* of scene.slots. The members they drive hold what the texture's
                                     * value 1 would make of them */
+    uint32_t relief; /* 1 + index into scene.reliefs; 0: none. A part of another one has none */
     union {
         struct {
             rgb albedo; /* [0, 1] */
@@ -157,6 +169,7 @@ struct material {
         struct {
             float ior;   /* inside / outside, [1, 4]; inside is where the normal does not point */
             float alpha; /* GGX width, [0, 1]; 0 is smooth */
+            bool multiscatter; /* light that meets several facets is added */
         } dielectric;
         struct {
             rgb eta, k;  /* complex index of refraction per channel, eta > 0, k >= 0 */
@@ -276,6 +289,7 @@ struct mesh {
 enum mesh_normals {
     MESH_NORMALS_GIVEN, /* the mesh's own; a mesh without them is flat */
     MESH_NORMALS_FLAT,  /* its triangles' */
+    MESH_NORMALS_SMOOTH, /* made of its triangles': prep_smooth.c */
 };
 
 enum shape_kind { SHAPE_SPHERE, SHAPE_DISC, SHAPE_CYLINDER, SHAPE_QUAD, SHAPE_MESH };
@@ -285,6 +299,7 @@ struct shape {
     uint32_t material;     /* index into scene.materials */
     rgb emission;          /* radiance leaving the front side; 0: not a light. Front: outside of a
                             * sphere or cylinder, else the side the normal points to */
+    uint32_t glow;         /* 1 + index into scene.textures: emission is multiplied by it; 0: none */
     struct xform to_world; /* but for quads and meshes a similarity (checked), maybe a mirror */
     union {
         struct {
@@ -349,7 +364,8 @@ struct light {
     };
 };
 
-enum integrator_kind { INTEGRATOR_PATH, INTEGRATOR_DIRECT, INTEGRATOR_WHITTED };
+/* AUTO: a plan says which, and with which strategy (plan.h). A stage of such a document is PATH's. */
+enum integrator_kind { INTEGRATOR_PATH, INTEGRATOR_DIRECT, INTEGRATOR_WHITTED, INTEGRATOR_AUTO };
 
 /* How light that lights and surfaces can both find is looked for. */
 enum strategy_kind { STRATEGY_MIS, STRATEGY_LIGHT, STRATEGY_BSDF };
@@ -368,8 +384,16 @@ struct scene_settings {
     enum strategy_kind strategy;
     enum sampler_kind sampler;
     uint32_t max_bounces; /* scattering events per path; 0 shows emission alone. Default 64 */
+    float clamp;          /* no sample's largest component is above it: that is scaled down. 0: off */
     uint64_t seed;        /* default 0; [0, 2^53 - 1]: JSON carries it exactly */
     struct scene_target target;
+};
+
+/* What reading has changed, since `settings.rescale` allows it. */
+struct scene_warning {
+    const char *where;        /* JSON pointer */
+    const char *what;         /* with both values */
+    float was[3], became[3];  /* a colour */
 };
 
 struct scene {
@@ -384,8 +408,11 @@ struct scene {
     struct texture *textures;
     struct image_asset *images;
     struct material_slot *slots; /* of all materials */
+    struct material_relief *reliefs;
     uint32_t material_count, shape_count, mesh_count, light_count, texture_count, image_count;
-    uint32_t slot_count;
+    uint32_t slot_count, relief_count;
+    struct scene_warning *warnings; /* for people */
+    uint32_t warning_count;
 };
 
 /* What is wrong with a document: all of it at once, in document order. */

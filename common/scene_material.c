@@ -3,16 +3,16 @@
 #include "common/scene_coat.h"
 #include "common/scene_param.h"
 #include "common/scene_read.h"
+#include "common/scene_relief.h"
+#include "common/scene_share.h"
 #include "common/scene_wrap.h"
 #include "common/scene_specular.h"
-
-static const struct scene_range fraction = {0, 1, false};
 
 static void read_diffuse(const struct scene_params *p, struct material *m)
 {
     static const struct scene_key keys[] = {{"type", true}, {"albedo", true}};
     scene_params_of(p, "a diffuse material", keys, countof(keys));
-    scene_param_rgb(p, "albedo", fraction, &m->diffuse.albedo);
+    scene_share_rgb(p, "albedo", &m->diffuse.albedo);
 }
 
 static void read_mirror(const struct scene_params *p, struct material *m)
@@ -20,7 +20,7 @@ static void read_mirror(const struct scene_params *p, struct material *m)
     static const struct scene_key keys[] = {{"type", true}, {"reflectance", false}};
     m->mirror.reflectance = rgb_gray(1);
     scene_params_of(p, "a mirror material", keys, countof(keys));
-    scene_param_rgb(p, "reflectance", fraction, &m->mirror.reflectance);
+    scene_share_rgb(p, "reflectance", &m->mirror.reflectance);
 }
 
 static const char *const material_names[] = {
@@ -109,7 +109,9 @@ struct scene_names scene_read_materials(struct scene_doc *doc, const struct scen
         struct material *m = &scene->materials[i];
         m->name = scene_names_take(doc, &member, &names, i);
         const uint32_t slot_begin = scene->slot_count;
-        read_material(&(struct scene_params){doc, &member, scene, textures, m}, m);
+        const struct scene_params params = {doc, &member, scene, textures, m};
+        read_material(&params, m);
+        scene_relief_read(&params, m);
         m->slot_begin = slot_begin;
         m->slot_end = scene->slot_count;
     }

@@ -1,5 +1,5 @@
-/* A mesh in a document: its triangles themselves, or the name of the file or asset they are in.
- * SPDX-License-Identifier: MIT */
+/* A mesh in a document: its vertices and triangles themselves, or the name of the file or asset
+ * they are in. SPDX-License-Identifier: MIT */
 #include "common/scene_read.h"
 
 #include <string.h>
@@ -52,6 +52,89 @@ static void read_triangles(struct scene_doc *doc, const struct scene_at *at, str
     mesh->triangle_count = (uint32_t)count;
 }
 
+/* What each vertex has beside its place, so many numbers each. */
+struct per_vertex {
+    const char *key;
+    struct scene_range range;
+    size_t numbers;
+};
+
+static const struct per_vertex normals_kind = {
+    "normals", {-SCENE_MAX_ABS, SCENE_MAX_ABS, false}, 3};
+static const struct per_vertex uvs_kind = {"uvs", {-MESH_MAX_UV, MESH_MAX_UV, false}, 2};
+static const struct per_vertex colors_kind = {"colors", {0, SCENE_MAX_ABS, false}, 3};
+
+static float *read_per_vertex(struct scene_doc *doc, const struct scene_at *at,
+                              const struct mesh *mesh, const struct per_vertex *kind)
+{
+    if (!scene_doc_array(doc, at, kind->key, 0, SCENE_MAX_TRIANGLES))
+        return NULL;
+    const size_t count = scene_at_count(at);
+    if (mesh->vertices && count != mesh->vertex_count) {
+        scene_doc_fault(doc, at, ERR_INPUT, "expected %u %s, one of each vertex, got %zu",
+                        mesh->vertex_count, kind->key, count);
+        return NULL;
+    }
+    float *out = arena_new(doc->arena, float, kind->numbers *count);
+    for (size_t i = 0; i < count; i++) {
+        const struct scene_at item = scene_at_item(at, i);
+        float *to = out + kind->numbers * i;
+        double v[3];
+        if (!scene_doc_numbers(doc, &item, kind->range, v, kind->numbers))
+            continue;
+        for (size_t k = 0; k < kind->numbers; k++)
+            to[k] = (float)v[k];
+        if (kind == &normals_kind)
+            mesh_normal_make(v, to);
+    }
+    return out;
+}
+
+static void read_inline(struct scene_doc *doc, const struct scene_at *shape, struct mesh *mesh)
+{
+    struct scene_at member;
+    if (scene_at_member(shape, "vertices", &member))
+        read_vertices(doc, &member, mesh);
+    if (scene_at_member(shape, "triangles", &member))
+        read_triangles(doc, &member, mesh);
+    if (scene_at_member(shape, "normals", &member) && scene_at_type(&member) == SCENE_ARRAY)
+        mesh->normals = read_per_vertex(doc, &member, mesh, &normals_kind);
+    if (scene_at_member(shape, "uvs", &member))
+        mesh->uvs = read_per_vertex(doc, &member, mesh, &uvs_kind);
+    if (scene_at_member(shape, "colors", &member))
+        mesh->colors = read_per_vertex(doc, &member, mesh, &colors_kind);
+}
+
+/* Whose normals it is shaded with. A list of them is read with the vertices. */
+static void read_normals(struct scene_doc *doc, const struct scene_at *shape, bool in_file,
+                         enum mesh_normals *normals)
+{
+    static const char *const names[] = {[MESH_NORMALS_GIVEN] = "file",
+                                        [MESH_NORMALS_FLAT] = "flat",
+                                        [MESH_NORMALS_SMOOTH] = "smooth"};
+    struct scene_at at;
+    if (!scene_at_member(shape, "normals", &at) || (!in_file && scene_at_type(&at) == SCENE_ARRAY))
+        return;
+    for (size_t i = in_file ? 0 : 1; i < countof(names) && scene_at_type(&at) == SCENE_STRING; i++)
+        if (!strcmp(scene_at_string(&at), names[i])) {
+            *normals = (enum mesh_normals)i;
+            return;
+        }
+    scene_doc_expected(doc, &at, ERR_INPUT,
+                       in_file ? "\"file\", \"flat\" or \"smooth\""
+                               : "\"flat\", \"smooth\" or an array of normals");
+}
+
+static void refuse_beside_file(struct scene_doc *doc, const struct scene_at *shape)
+{
+    const char *const keys[] = {uvs_kind.key, colors_kind.key};
+    struct scene_at at;
+    for (size_t i = 0; i < countof(keys); i++)
+        if (scene_at_member(shape, keys[i], &at))
+            scene_doc_fault(doc, &at, ERR_INPUT, "a mesh in a file has the %s of its file",
+                            keys[i]);
+}
+
 static void read_file(struct scene_doc *doc, const struct scene_at *at, struct mesh *mesh)
 {
     if (doc->source == SCENE_FROM_NET) {
@@ -78,12 +161,13 @@ static void read_asset(struct scene_doc *doc, const struct scene_at *asset,
         memcpy(mesh->asset, scene_at_string(asset), HASH_HEX);
 }
 
-void scene_read_mesh(struct scene_doc *doc, const struct scene_at *shape, struct mesh *mesh)
+void scene_read_mesh(struct scene_doc *doc, const struct scene_at *shape, struct mesh *mesh,
+                     enum mesh_normals *normals)
 {
     static const struct scene_key keys[] = {
-        {"type", true},       {"material", true},  {"emission", false},
-        {"transform", false}, {"vertices", false}, {"triangles", false},
-        {"file", false},      {"asset", false},    {"format", false}};
+        {"type", true},      {"material", true},   {"emission", false}, {"transform", false},
+        {"vertices", false}, {"triangles", false}, {"file", false},     {"asset", false},
+        {"format", false},   {"normals", false},   {"uvs", false},      {"colors", false}};
     struct scene_at vertices, triangles, file, asset, format;
     scene_doc_object(doc, shape, "a mesh", keys, countof(keys));
     const bool has_vertices = scene_at_member(shape, "vertices", &vertices);
@@ -97,10 +181,11 @@ void scene_read_mesh(struct scene_doc *doc, const struct scene_at *shape, struct
         scene_doc_fault(doc, shape, ERR_INPUT,
                         "a mesh needs either \"vertices\" and \"triangles\", or \"file\", or "
                         "\"asset\" and \"format\"");
-    if (has_vertices)
-        read_vertices(doc, &vertices, mesh);
-    if (has_triangles)
-        read_triangles(doc, &triangles, mesh);
+    read_normals(doc, shape, !some_inline, normals);
+    if (some_inline)
+        read_inline(doc, shape, mesh);
+    else
+        refuse_beside_file(doc, shape);
     if (has_file)
         read_file(doc, &file, mesh);
     if (has_asset && has_format)

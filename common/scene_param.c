@@ -4,10 +4,17 @@
 #include <assert.h>
 #include <string.h>
 
+enum { MOST_KEYS = 14 };
+
 void scene_params_of(const struct scene_params *p, const char *what, const struct scene_key *keys,
                      size_t count)
 {
-    scene_doc_object(p->doc, p->at, what, keys, count);
+    static const struct scene_key of_all[] = {{"normal_map", false}, {"bump", false}};
+    struct scene_key all[MOST_KEYS];
+    assert(count + countof(of_all) <= countof(all));
+    memcpy(all, keys, count * sizeof *all);
+    memcpy(all + count, of_all, sizeof of_all);
+    scene_doc_object(p->doc, p->at, what, all, count + countof(of_all));
 }
 
 /* --- textures --- */
@@ -46,8 +53,8 @@ static bool read_scale(const struct scene_params *p, const struct scene_at *valu
     return good;
 }
 
-static bool read_channel(const struct scene_params *p, const struct scene_at *value,
-                         struct material_slot *slot)
+bool scene_param_channel(const struct scene_params *p, const struct scene_at *value,
+                         enum material_channel *out)
 {
     static const char *const names[] = {"r", "g", "b", "a"};
     size_t channel;
@@ -56,7 +63,7 @@ static bool read_channel(const struct scene_params *p, const struct scene_at *va
         return true;
     if (!scene_doc_choice(p->doc, &at, names, countof(names), &channel))
         return false;
-    slot->channel = (enum material_channel)(MATERIAL_CHANNEL_R + channel);
+    *out = (enum material_channel)(MATERIAL_CHANNEL_R + channel);
     return true;
 }
 
@@ -75,7 +82,7 @@ static bool read_textured(const struct scene_params *p, const struct scene_at *v
     bool good = scene_doc_object(p->doc, value, "a textured parameter", keys,
                                  countof(keys) - (slot->is_rgb ? 1 : 0));
     good &= read_scale(p, value, slot);
-    good &= slot->is_rgb || read_channel(p, value, slot);
+    good &= slot->is_rgb || scene_param_channel(p, value, &slot->channel);
     good &= scene_at_member(value, "texture", &name) &&
             scene_names_find(p->doc, &name, p->textures, &slot->texture);
     if (!good)

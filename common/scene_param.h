@@ -19,12 +19,16 @@ struct scene_params { /* of one material */
     struct material *material;
 };
 
-/* These keys and no others; `what` names the material in messages: "a mirror material". */
+/* These keys, those that every material may have, and no others; `what` names the material in
+ * messages: "a mirror material". */
 void scene_params_of(const struct scene_params *, const char *what, const struct scene_key *keys,
                      size_t count);
 
 void scene_param_rgb(const struct scene_params *, const char *key, struct scene_range, rgb *);
 void scene_param_number(const struct scene_params *, const char *key, struct scene_range, float *);
+/* The key "channel" of an object that names a texture; absent: true. */
+bool scene_param_channel(const struct scene_params *, const struct scene_at *value,
+                         enum material_channel *);
 /* One number for two members. */
 void scene_param_both(const struct scene_params *, const char *key, struct scene_range, float *,
                       float *);

@@ -4,6 +4,7 @@
 
 #include "common/layers.h"
 #include "common/scene_check.h"
+#include "common/scene_share.h"
 
 static void read_crop(struct scene_doc *doc, const struct scene_at *at, bool size_known,
                       struct scene_film *film)
@@ -105,7 +106,8 @@ static void read_method(struct scene_doc *doc, const struct scene_at *at,
 {
     static const char *const integrators[] = {[INTEGRATOR_PATH] = "path",
                                               [INTEGRATOR_DIRECT] = "direct",
-                                              [INTEGRATOR_WHITTED] = "whitted"};
+                                              [INTEGRATOR_WHITTED] = "whitted",
+                                              [INTEGRATOR_AUTO] = "auto"};
     static const char *const strategies[] = {
         [STRATEGY_MIS] = "mis", [STRATEGY_LIGHT] = "light", [STRATEGY_BSDF] = "bsdf"};
     static const char *const samplers[] = {[SAMPLER_SOBOL] = "sobol",
@@ -118,9 +120,12 @@ static void read_method(struct scene_doc *doc, const struct scene_at *at,
     if (scene_at_member(at, "sampler", &member))
         scene_doc_choice(doc, &member, samplers, countof(samplers), &sampler);
     if (scene_at_member(at, "strategy", &member) &&
-        scene_doc_choice(doc, &member, strategies, countof(strategies), &strategy) &&
-        integrator == INTEGRATOR_WHITTED && strategy != STRATEGY_LIGHT)
-        scene_doc_expected(doc, &member, ERR_INPUT, "\"light\" (\"whitted\" has no other)");
+        scene_doc_choice(doc, &member, strategies, countof(strategies), &strategy)) {
+        if (integrator == INTEGRATOR_WHITTED && strategy != STRATEGY_LIGHT)
+            scene_doc_expected(doc, &member, ERR_INPUT, "\"light\" (\"whitted\" has no other)");
+        if (integrator == INTEGRATOR_AUTO)
+            scene_doc_fault(doc, &member, ERR_INPUT, "\"auto\" chooses the strategy itself");
+    }
     out->integrator = (enum integrator_kind)integrator;
     out->strategy = (enum strategy_kind)strategy;
     out->sampler = (enum sampler_kind)sampler;
@@ -129,21 +134,27 @@ static void read_method(struct scene_doc *doc, const struct scene_at *at,
 static void read_settings(struct scene_doc *doc, const struct scene_at *at,
                           struct scene_settings *out)
 {
-    static const struct scene_key keys[] = {{"integrator", false}, {"strategy", false},
-                                            {"sampler", false},    {"max_bounces", false},
-                                            {"seed", false},       {"target", false}};
+    static const struct scene_key keys[] = {
+        {"integrator", false}, {"strategy", false}, {"sampler", false}, {"max_bounces", false},
+        {"clamp", false},      {"seed", false},     {"target", false},
+        {"rescale", false}};
     struct scene_at member;
     uint64_t bounces = out->max_bounces;
+    double clamp = 0;
     scene_doc_object(doc, at, "the settings", keys, countof(keys));
     read_method(doc, at, out);
     scene_key_integer(doc, at, "max_bounces", (struct scene_range){0, SCENE_MAX_BOUNCES, true},
                       &bounces);
+    scene_key_number(doc, at, "clamp", (struct scene_range){1e-9, 1e30, false}, &clamp);
     /* To 2^53 - 1: beyond, two whole numbers may read as one. */
     scene_key_integer(doc, at, "seed", (struct scene_range){0, 9007199254740991., false},
                       &out->seed);
+    if (scene_at_member(at, "rescale", &member) && scene_at_type(&member) != SCENE_BOOLEAN)
+        scene_doc_expected(doc, &member, ERR_INPUT, "true or false");
     if (scene_at_member(at, "target", &member))
         read_target(doc, &member, &out->target);
     out->max_bounces = (uint32_t)bounces;
+    out->clamp = (float)clamp;
 }
 
 static void read_version(struct scene_doc *doc, const struct scene_at *whole)
@@ -162,6 +173,7 @@ void scene_read(struct scene_doc *doc, const struct scene_at *whole, struct scen
         {"camera", true}, {"textures", false}, {"materials", true},
         {"shapes", true}, {"lights", false},   {"settings", false}};
     scene->title = "";
+    doc->rescale = scene_share_wanted(whole);
     scene->settings = (struct scene_settings){
         .integrator = INTEGRATOR_PATH, .max_bounces = 64, .target = {.spp = 64}};
     scene_doc_object(doc, whole, "the document", keys, countof(keys));
@@ -179,7 +191,7 @@ void scene_read(struct scene_doc *doc, const struct scene_at *whole, struct scen
     if (scene_at_member(whole, "materials", &at))
         names = scene_read_materials(doc, &at, &textures, scene);
     if (scene_at_member(whole, "shapes", &at))
-        scene_read_shapes(doc, &at, &names, scene);
+        scene_read_shapes(doc, &at, &(struct scene_known){&names, &textures}, scene);
     if (scene_at_member(whole, "lights", &at))
         scene_read_lights(doc, &at, scene);
     if (scene_at_member(whole, "settings", &at))

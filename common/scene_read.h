@@ -14,12 +14,17 @@ void scene_read(struct scene_doc *, const struct scene_at *whole, struct scene *
 struct scene_names scene_read_textures(struct scene_doc *, const struct scene_at *, struct scene *);
 struct scene_names scene_read_materials(struct scene_doc *, const struct scene_at *,
                                         const struct scene_names *textures, struct scene *);
-void scene_read_shapes(struct scene_doc *, const struct scene_at *, const struct scene_names *,
+/* What shapes may name. */
+struct scene_known {
+    const struct scene_names *materials, *textures;
+};
+void scene_read_shapes(struct scene_doc *, const struct scene_at *, const struct scene_known *,
                        struct scene *);
 void scene_read_filter(struct scene_doc *, const struct scene_at *, struct scene_film *);
 void scene_read_camera(struct scene_doc *, const struct scene_at *, struct scene_camera *);
 void scene_read_lights(struct scene_doc *, const struct scene_at *, struct scene *);
-void scene_read_mesh(struct scene_doc *, const struct scene_at *shape, struct mesh *);
+void scene_read_mesh(struct scene_doc *, const struct scene_at *shape, struct mesh *,
+                     enum mesh_normals *);
 
 /* The image that an object names by "file", or by "asset" and "format", which are among its keys;
  * `what` names it in messages: "an image texture". */

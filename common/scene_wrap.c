@@ -64,8 +64,18 @@ static int parts_of(struct material *m, struct part parts[2])
     return 0;
 }
 
+/* The normal is there before it is known which part is. */
+static bool is_smooth_part(struct scene_doc *doc, const struct scene_at *name,
+                           const struct material *part)
+{
+    return !part->relief ||
+           scene_doc_expected(doc, name, ERR_INPUT,
+                              "a material without \"normal_map\" and \"bump\": a material that is "
+                              "made of it may have them");
+}
+
 static bool bind(struct scene_doc *doc, const struct scene_at *at, const struct scene_names *names,
-                 struct material *m)
+                 const struct scene *scene, struct material *m)
 {
     struct part parts[2];
     const int count = parts_of(m, parts);
@@ -73,7 +83,8 @@ static bool bind(struct scene_doc *doc, const struct scene_at *at, const struct 
     for (int i = 0; i < count; i++) {
         struct scene_at member;
         good &= scene_at_member(at, parts[i].key, &member) &&
-                scene_names_find(doc, &member, names, parts[i].material);
+                scene_names_find(doc, &member, names, parts[i].material) &&
+                is_smooth_part(doc, &member, &scene->materials[*parts[i].material]);
     }
     return good;
 }
@@ -151,7 +162,7 @@ void scene_wrap_bind(struct scene_doc *doc, const struct scene_at *materials,
     bool good = true;
     struct scene_at member = {0};
     for (uint32_t i = 0; scene_at_next(materials, &member); i++)
-        good &= bind(doc, &member, names, &scene->materials[i]);
+        good &= bind(doc, &member, names, scene, &scene->materials[i]);
     if (!good) /* what is made of what is not known */
         return;
     member = (struct scene_at){0};

@@ -5,7 +5,7 @@
 
 struct tile_grid tile_grid_make(struct tile_rect window, uint32_t tile_px)
 {
-    assert(tile_px >= TILE_MIN_PX && tile_px <= TILE_MAX_PX);
+    assert(tile_px_is_sane(tile_px));
     assert(window.x_begin < window.x_end && window.y_begin < window.y_end);
     return (struct tile_grid){
         .window = window,

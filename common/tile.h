@@ -26,7 +26,13 @@ static inline uint32_t tile_rect_pixels(struct tile_rect r)
     return (r.x_end - r.x_begin) * (r.y_end - r.y_begin);
 }
 
-enum { TILE_MIN_PX = 8, TILE_MAX_PX = 256, TILE_DEFAULT_PX = 64 };
+/* Sides are multiples of TILE_STEP_PX, so that blocks of pixels (block.h) do not depend on them. */
+enum { TILE_MIN_PX = 8, TILE_STEP_PX = 8, TILE_MAX_PX = 256, TILE_DEFAULT_PX = 64 };
+
+static inline bool tile_px_is_sane(uint64_t tile_px)
+{
+    return tile_px >= TILE_MIN_PX && tile_px <= TILE_MAX_PX && tile_px % TILE_STEP_PX == 0;
+}
 
 struct tile_grid {
     struct tile_rect window; /* what the tiles cover: the crop window */

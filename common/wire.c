@@ -7,12 +7,55 @@
 
 #include <zlib.h>
 
+enum { VERSION_BARE = 1, VERSION_LAYERS = 2 }; /* of old */
 enum { TYPE_SAMPLES = 1, FLAG_DEFLATED = 1, PROBE_BYTES = 4096 };
 
 static const char magic[4] = {'S', 'M', 'L', 'T'};
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
                "floats are copied as they lie in memory");
+
+static void write_double(struct buf *out, double v)
+{
+    uint64_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    buf_u64(out, bits);
+}
+
+static double read_double(struct buf_reader *r)
+{
+    const uint64_t bits = buf_read_u64(r);
+    double v;
+    memcpy(&v, &bits, sizeof v);
+    return v;
+}
+
+static void write_blocks(const struct film_samples *s, struct buf *out)
+{
+    for (size_t i = 0; i < block_count(s->rect); i++) {
+        const struct block *b = &s->blocks[i];
+        write_double(out, b->sum);
+        write_double(out, b->square);
+        write_double(out, b->clamped);
+        write_double(out, b->cut);
+        buf_u64(out, b->met);
+        buf_append(out, b->top, sizeof b->top);
+    }
+}
+
+static void write_facts(const struct film_samples *s, struct buf *out)
+{
+    const struct film_work *w = &s->work;
+    buf_u32(out, s->layers);
+    buf_u32(out, s->dropped.degenerate);
+    buf_u32(out, s->dropped.nonfinite);
+    buf_u64(out, w->camera_rays);
+    buf_u64(out, w->bounce_rays);
+    buf_u64(out, w->shadow_rays);
+    buf_u64(out, w->plain_vertices);
+    buf_u64(out, w->other_vertices);
+    buf_u64(out, w->units);
+}
 
 static void write_body(const struct wire_samples *w, struct buf *out)
 {
@@ -30,8 +73,7 @@ static void write_body(const struct wire_samples *w, struct buf *out)
     buf_u64(out, w->cpu_us);
     buf_u64(out, s->invalid_count);
     buf_u32(out, s->key_count);
-    if (s->layers)
-        buf_u32(out, s->layers);
+    write_facts(s, out);
     for (uint32_t i = 0; i < s->key_count; i++) {
         buf_u32(out, s->keys[i].x_px);
         buf_u32(out, s->keys[i].y_px);
@@ -41,6 +83,7 @@ static void write_body(const struct wire_samples *w, struct buf *out)
     buf_append(out, s->sums, pixels * FILM_CHANNELS * sizeof *s->sums);
     if (s->layers)
         buf_append(out, s->layer_sums, pixels * layers_channels(s->layers) * sizeof *s->layer_sums);
+    write_blocks(s, out);
 }
 
 static size_t deflate_into(unsigned char *out, size_t room, const unsigned char *data, size_t bytes)
@@ -71,7 +114,7 @@ void wire_encode(const struct wire_samples *w, struct buf *out)
             body = &packed;
     }
     buf_append(out, magic, sizeof magic);
-    buf_u32(out, (w->samples.layers ? WIRE_VERSION_LAYERS : WIRE_VERSION) | TYPE_SAMPLES << 16);
+    buf_u32(out, WIRE_VERSION | TYPE_SAMPLES << 16);
     buf_u32(out, body == &packed ? FLAG_DEFLATED : 0);
     buf_u64(out, raw.size);
     buf_u64(out, body->size);
@@ -103,11 +146,11 @@ static const unsigned char *open_frame(const void *data, size_t bytes, struct fr
                 WIRE_HEADER_BYTES, WIRE_MAX_BYTES);
     else if (memcmp(word, magic, sizeof magic) != 0)
         err_set(err, ERR_PROTOCOL, "payload does not begin with SMLT");
-    else if (kind >> 16 != TYPE_SAMPLES ||
-             (frame->version != WIRE_VERSION && frame->version != WIRE_VERSION_LAYERS))
+    else if (kind >> 16 != TYPE_SAMPLES || frame->version < VERSION_BARE ||
+             frame->version > WIRE_VERSION)
         err_set(err, ERR_PROTOCOL,
-                "payload version %u, type %u: expected version %d or %d, type %d", frame->version,
-                kind >> 16, WIRE_VERSION, WIRE_VERSION_LAYERS, TYPE_SAMPLES);
+                "payload version %u, type %u: expected version %d to %d, type %d", frame->version,
+                kind >> 16, VERSION_BARE, WIRE_VERSION, TYPE_SAMPLES);
     else if (flags & ~(uint32_t)FLAG_DEFLATED)
         err_set(err, ERR_PROTOCOL, "payload flags 0x%x: expected 0 or 1", flags);
     else if (sent != rest || raw > WIRE_MAX_BYTES - WIRE_HEADER_BYTES ||
@@ -139,6 +182,19 @@ static bool rect_is_sane(struct tile_rect r)
            r.y_end - r.y_begin <= TILE_MAX_PX;
 }
 
+static void read_facts(struct buf_reader *r, struct film_samples *s)
+{
+    struct film_work *w = &s->work;
+    s->dropped.degenerate = buf_read_u32(r);
+    s->dropped.nonfinite = buf_read_u32(r);
+    w->camera_rays = buf_read_u64(r);
+    w->bounce_rays = buf_read_u64(r);
+    w->shadow_rays = buf_read_u64(r);
+    w->plain_vertices = buf_read_u64(r);
+    w->other_vertices = buf_read_u64(r);
+    w->units = buf_read_u64(r);
+}
+
 static void read_fixed(struct buf_reader *r, uint32_t version, struct wire_samples *w)
 {
     struct film_samples *s = &w->samples;
@@ -155,12 +211,14 @@ static void read_fixed(struct buf_reader *r, uint32_t version, struct wire_sampl
     w->cpu_us = buf_read_u64(r);
     s->invalid_count = buf_read_u64(r);
     s->key_count = buf_read_u32(r);
-    s->layers = version == WIRE_VERSION_LAYERS ? buf_read_u32(r) : 0;
+    s->layers = version >= VERSION_LAYERS ? buf_read_u32(r) : 0;
+    if (version >= WIRE_VERSION)
+        read_facts(r, s);
 }
 
 static bool check_fixed(const struct film_samples *s, uint32_t version, struct err *err)
 {
-    if (!layers_are_known(s->layers) || (version == WIRE_VERSION_LAYERS && !s->layers))
+    if (!layers_are_known(s->layers) || (version == VERSION_LAYERS && !s->layers))
         return err_set(err, ERR_PROTOCOL, "payload layers 0x%x: expected a set of layers",
                        s->layers);
     if (!rect_is_sane(s->rect))
@@ -208,14 +266,53 @@ static bool read_floats(struct buf_reader *r, size_t count, struct arena *arena,
     return true;
 }
 
-static bool read_sums(struct buf_reader *r, struct film_samples *s, struct arena *arena,
-                      struct err *err)
+/* x and its sums are never negative, the largest fall, and a NaN is nothing of it. 2^24 samples of
+ * 64 pixels, each below 2^102, stay far below these bounds; sums of what is below them are finite.
+ */
+static bool block_is_sane(const struct block *b, uint64_t samples)
+{
+    const double most = 0x1p+200, most_square = 0x1p+400;
+    bool ok = b->sum >= 0 && b->sum <= most && b->square >= 0 && b->square <= most_square &&
+              fabs(b->clamped) <= most && fabs(b->cut) <= most && b->met <= samples &&
+              isfinite(b->top[0]);
+    for (uint32_t i = 0; ok && i < BLOCK_TOP; i++)
+        ok = i + 1 < BLOCK_TOP ? b->top[i] >= b->top[i + 1] : b->top[i] >= 0;
+    return ok;
+}
+
+static bool read_blocks(struct buf_reader *r, struct film_samples *s, struct arena *arena,
+                        struct err *err)
+{
+    const size_t count = block_count(s->rect);
+    const uint64_t samples = s->pass.s_end - s->pass.s_begin;
+    s->blocks = arena_new(arena, struct block, count);
+    for (size_t i = 0; i < count; i++) {
+        struct block *b = &s->blocks[i];
+        b->sum = read_double(r);
+        b->square = read_double(r);
+        b->clamped = read_double(r);
+        b->cut = read_double(r);
+        b->met = buf_read_u64(r);
+        const void *top = buf_read(r, sizeof b->top);
+        if (r->failed)
+            return err_set(err, ERR_PROTOCOL, "payload blocks are cut short");
+        memcpy(b->top, top, sizeof b->top);
+        if (!block_is_sane(b, samples * tile_rect_pixels(block_rect_of(s->rect, i))))
+            return err_set(err, ERR_PROTOCOL, "payload block %zu is none of %llu samples a pixel",
+                           i, (unsigned long long)samples);
+    }
+    return true;
+}
+
+static bool read_sums(struct buf_reader *r, uint32_t version, struct film_samples *s,
+                      struct arena *arena, struct err *err)
 {
     const size_t pixels = tile_rect_pixels(s->rect), rest = (size_t)(r->end - r->at);
     const size_t count = pixels * FILM_CHANNELS, layers = pixels * layers_channels(s->layers);
-    if (r->failed || rest != (count + layers) * sizeof(float))
-        return err_set(err, ERR_PROTOCOL, "payload sums: %zu bytes, expected %zu", rest,
-                       (count + layers) * sizeof(float));
+    const size_t blocks = version < WIRE_VERSION ? 0 : block_count(s->rect) * WIRE_BLOCK_BYTES;
+    const size_t want = (count + layers) * sizeof(float) + blocks;
+    if (r->failed || rest != want)
+        return err_set(err, ERR_PROTOCOL, "payload sums: %zu bytes, expected %zu", rest, want);
     if (!read_floats(r, count, arena, &s->sums))
         return err_set(err, ERR_PROTOCOL, "payload sums are cut short");
     for (size_t i = 0; i < count; i++)
@@ -231,6 +328,11 @@ static bool read_sums(struct buf_reader *r, struct film_samples *s, struct arena
     return true;
 }
 
+static int fixed_bytes(uint32_t version)
+{
+    return version == VERSION_BARE ? 64 : version == VERSION_LAYERS ? 68 : WIRE_BODY_FIXED_BYTES;
+}
+
 bool wire_decode(struct wire_samples *w, const void *data, size_t bytes, struct arena *arena,
                  struct err *err)
 {
@@ -243,7 +345,8 @@ bool wire_decode(struct wire_samples *w, const void *data, size_t bytes, struct 
     read_fixed(&r, frame.version, w);
     if (r.failed)
         return err_set(err, ERR_PROTOCOL, "payload body of %zu bytes: expected at least %d",
-                       frame.body_bytes, WIRE_BODY_FIXED_BYTES);
+                       frame.body_bytes, fixed_bytes(frame.version));
     return check_fixed(&w->samples, frame.version, err) && read_keys(&r, &w->samples, err) &&
-           read_sums(&r, &w->samples, arena, err);
+           read_sums(&r, frame.version, &w->samples, arena, err) &&
+           (frame.version < WIRE_VERSION || read_blocks(&r, &w->samples, arena, err));
 }

@@ -13,12 +13,14 @@
 #include "common/film.h"
 
 enum {
-    WIRE_VERSION = 1,        /* of tile samples without layers */
-    WIRE_VERSION_LAYERS = 2, /* with layers */
+    WIRE_VERSION =
+        3, /* written. Read are the older ones, too: without blocks, and 1 without layers */
     WIRE_HEADER_BYTES = 32,
-    WIRE_BODY_FIXED_BYTES = 64, /* 68 with layers */
-    WIRE_MAX_BYTES = WIRE_HEADER_BYTES + WIRE_BODY_FIXED_BYTES + 4 + FILM_MAX_KEYS * 12 +
-                     TILE_MAX_PX * TILE_MAX_PX * (FILM_CHANNELS + LAYERS_MAX_CHANNELS) * 4,
+    WIRE_BODY_FIXED_BYTES = 124, /* of version 3 */
+    WIRE_BLOCK_BYTES = 5 * 8 + BLOCK_TOP * 4,
+    WIRE_MAX_BYTES = WIRE_HEADER_BYTES + WIRE_BODY_FIXED_BYTES + FILM_MAX_KEYS * 12 +
+                     TILE_MAX_PX * TILE_MAX_PX * (FILM_CHANNELS + LAYERS_MAX_CHANNELS) * 4 +
+                     TILE_MAX_PX * TILE_MAX_PX / (BLOCK_PX * BLOCK_PX) * WIRE_BLOCK_BYTES,
 };
 
 struct wire_samples {

@@ -11,7 +11,7 @@ extern const size_t api_route_count;
 route_prepare api_prepare_job; /* parses the scene; pool threads */
 
 route_handler api_job_submit, api_job_list, api_job_get, api_job_change, api_job_cancel;
-route_handler api_job_document, api_job_exr, api_job_png;
+route_handler api_job_document, api_job_plan, api_job_exr, api_job_png, api_job_curve;
 route_handler api_asset_put, api_asset_get;
 route_handler api_health, api_static;
 

@@ -1,6 +1,6 @@
 /* JSON: body_parse's object is owned by the handler and released before it returns.
  * SPDX-License-Identifier: MIT */
-#include "server/api.h"
+#include "server/api_job.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,26 +9,36 @@
 #include <jansson.h>
 
 #include "common/clock.h"
+#include "server/api.h"
 #include "server/body.h"
 #include "server/problem.h"
+#include "server/report.h"
 #include "server/server.h"
 #include "server/status.h"
+#include "server/status_warnings.h"
 
 enum { MAX_PRIORITY = 100, MAX_LIST = 200, LIST = 50 };
 
-static void reply_job(const struct server *s, const struct request *rq, struct reply *re,
-                      int status, const struct job *j)
+/* True: the reader knows it as it is. */
+static bool is_known(const struct server *s, const struct request *rq, struct reply *re,
+                     const struct job *j)
 {
     re->etag = arena_printf(rq->arena, "\"%08x-%llu\"", s->nonce, (unsigned long long)j->version);
-    if (status == 200 && rq->route->method == ROUTE_GET &&
-        route_etag_matches(rq->if_none_match, re->etag))
-        re->status = 304;
-    else
+    if (rq->route->method != ROUTE_GET || !route_etag_matches(rq->if_none_match, re->etag))
+        return false;
+    re->status = 304;
+    return true;
+}
+
+void api_job_reply(const struct server *s, const struct request *rq, struct reply *re, int status,
+                   const struct job *j)
+{
+    if (!is_known(s, rq, re, j))
         body_reply(rq, re, status, status_job(s, j));
 }
 
-static struct job *job_of_id(const struct server *s, const struct request *rq, struct reply *re,
-                             const char *text)
+struct job *api_job_of(const struct server *s, const struct request *rq, struct reply *re,
+                       const char *text)
 {
     struct job *j = NULL;
     if (strlen(text) == 16 && strspn(text, "0123456789abcdef") == 16)
@@ -91,14 +101,19 @@ static struct store_job row_of(const struct server *s, const struct scene *scene
         .tile_px = s->config->tile_px,
         .crop = {f->crop_x_begin, f->crop_y_begin, f->crop_x_end, f->crop_y_end},
         .layers = f->layers,
+        .stratified = scene->settings.sampler == SAMPLER_STRATIFIED,
         .target = scene->settings.target,
+        .method =
+            scene->settings.integrator == INTEGRATOR_AUTO ? STORE_METHOD_OPEN : STORE_METHOD_GIVEN,
         .created_unix_ms = clock_unix_ms(),
         .error = -1,
+        .report = report_none(),
     };
     do
         server_random(&row.id, sizeof row.id);
     while (!row.id || server_job_find(s, row.id));
     snprintf(row.title, sizeof row.title, "%s", scene->title);
+    status_warnings_print(scene, row.warnings, sizeof row.warnings);
     return row;
 }
 
@@ -143,7 +158,7 @@ void api_job_submit(struct server *s, const struct request *rq, struct reply *re
              (unsigned long long)row.id, row.width_px, row.height_px, row.target.spp,
              row.target.error, row.target.seconds, row.priority, row.title);
     re->location = arena_printf(rq->arena, "/v1/jobs/%016llx", (unsigned long long)row.id);
-    reply_job(s, rq, re, 201, j);
+    api_job_reply(s, rq, re, 201, j);
 }
 
 /* ---- look ---- */
@@ -172,7 +187,7 @@ void api_job_list(struct server *s, const struct request *rq, struct reply *re)
     size_t at = s->job_count; /* the next one is before it */
     const char *after = route_query(rq, "after");
     if (after) {
-        const struct job *j = job_of_id(s, rq, re, after);
+        const struct job *j = api_job_of(s, rq, re, after);
         if (!j)
             return;
         at = place_of(s, j->row.number);
@@ -190,14 +205,30 @@ void api_job_list(struct server *s, const struct request *rq, struct reply *re)
 
 void api_job_get(struct server *s, const struct request *rq, struct reply *re)
 {
-    const struct job *j = job_of_id(s, rq, re, rq->part[0]);
+    const struct job *j = api_job_of(s, rq, re, rq->part[0]);
     if (j)
-        reply_job(s, rq, re, 200, j);
+        api_job_reply(s, rq, re, 200, j);
+}
+
+void api_job_curve(struct server *s, const struct request *rq, struct reply *re)
+{
+    const struct job *j = api_job_of(s, rq, re, rq->part[0]);
+    struct convergence stored = {0};
+    struct err err;
+    if (!j || is_known(s, rq, re, j))
+        return;
+    if (job_is_over(j) && !convergence_load(&stored, s->store, j->row.number, &err)) {
+        log_error("curve job=%016llx %s", (unsigned long long)j->row.id, err.text);
+        problem_from_err(rq, re, &err);
+        return;
+    }
+    body_reply(rq, re, 200, status_curve(s, j, job_is_over(j) ? &stored : &j->convergence));
+    convergence_release(&stored);
 }
 
 void api_job_document(struct server *s, const struct request *rq, struct reply *re)
 {
-    const struct job *j = job_of_id(s, rq, re, rq->part[0]);
+    const struct job *j = api_job_of(s, rq, re, rq->part[0]);
     if (!j)
         return;
     uint64_t bytes;
@@ -212,10 +243,32 @@ void api_job_document(struct server *s, const struct request *rq, struct reply *
     re->immutable = true;
 }
 
+void api_job_plan(struct server *s, const struct request *rq, struct reply *re)
+{
+    const struct job *j = api_job_of(s, rq, re, rq->part[0]);
+    if (!j)
+        return;
+    char directory[DISK_PATH - 32], path[DISK_PATH];
+    uint64_t bytes;
+    server_job_directory(s, j, directory, sizeof directory);
+    snprintf(path, sizeof path, "%s/plan.json", directory);
+    re->file = j->row.method >= STORE_METHOD_PLANNED ? disk_open(path, &bytes) : -1;
+    if (re->file < 0) {
+        problem_reply(rq, re, 404, "%s",
+                      j->row.method == STORE_METHOD_GIVEN ? "the document says the method itself"
+                                                          : "there is no plan yet");
+        return;
+    }
+    re->status = 200;
+    re->type = "application/json";
+    re->body_bytes = bytes;
+    re->immutable = true;
+}
+
 static void reply_image(const struct server *s, const struct request *rq, struct reply *re,
                         const char *name, const char *type)
 {
-    const struct job *j = job_of_id(s, rq, re, rq->part[0]);
+    const struct job *j = api_job_of(s, rq, re, rq->part[0]);
     if (!j)
         return;
     re->etag = arena_printf(rq->arena, "\"%08x-%llu\"", s->nonce,
@@ -249,72 +302,11 @@ void api_job_png(struct server *s, const struct request *rq, struct reply *re)
     reply_image(s, rq, re, "preview.png", "image/png");
 }
 
-/* ---- change ---- */
-
-struct change {
-    const char *state;      /* NULL: as it is */
-    json_t *priority_value; /* NULL: as it is */
-    int32_t priority;
-};
-
-static bool change_read(json_t *root, struct change *c, struct err *err)
-{
-    json_error_t e;
-    if (json_unpack_ex(root, &e, JSON_STRICT, "{s?s, s?o}", "state", &c->state, "priority",
-                       &c->priority_value) != 0)
-        return err_set(err, ERR_INPUT, "%s", e.text);
-    if (!c->state && !c->priority_value)
-        return err_set(err, ERR_INPUT, "expected state, priority, or both");
-    if (c->state && strcmp(c->state, "paused") != 0 && strcmp(c->state, "running") != 0)
-        return err_set(err, ERR_INPUT, "state: expected \"paused\" or \"running\", got \"%.20s\"",
-                       c->state);
-    if (!c->priority_value)
-        return true;
-    const json_int_t p = json_integer_value(c->priority_value);
-    if (!json_is_integer(c->priority_value) || p < -MAX_PRIORITY || p > MAX_PRIORITY)
-        return err_set(err, ERR_INPUT, "priority: expected a whole number from %d to %d",
-                       -MAX_PRIORITY, MAX_PRIORITY);
-    c->priority = (int32_t)p;
-    return true;
-}
-
-static bool change_apply(struct server *s, struct job *j, const struct change *c, struct err *err)
-{
-    if (job_is_over(j))
-        return err_set(err, ERR_CONFLICT, "the job is %s", store_state_name(j->row.state));
-    if (c->state && *c->state == 'p' && j->row.state != JOB_PAUSED)
-        job_pause(j, s->now_ms);
-    if (c->state && *c->state == 'r' && j->row.state == JOB_PAUSED)
-        job_resume(j, s->now_ms);
-    if (c->priority_value) {
-        j->row.priority = c->priority;
-        sched_reorder(&s->sched, j);
-        job_touch(j);
-    }
-    s->news = true;
-    return server_job_save(s, j) || err_set(err, ERR_IO, "the change is not on disk yet");
-}
-
-void api_job_change(struct server *s, const struct request *rq, struct reply *re)
-{
-    struct job *j = job_of_id(s, rq, re, rq->part[0]);
-    if (!j)
-        return;
-    json_t *root = body_parse(rq, re);
-    if (!root)
-        return;
-    struct change change = {0};
-    struct err err;
-    if (change_read(root, &change, &err) && change_apply(s, j, &change, &err))
-        reply_job(s, rq, re, 200, j);
-    else
-        problem_from_err(rq, re, &err);
-    json_decref(root);
-}
+/* ---- end ---- */
 
 void api_job_cancel(struct server *s, const struct request *rq, struct reply *re)
 {
-    struct job *j = job_of_id(s, rq, re, rq->part[0]);
+    struct job *j = api_job_of(s, rq, re, rq->part[0]);
     if (!j)
         return;
     if (j->row.state == JOB_DONE || j->row.state == JOB_FAILED) {
@@ -326,5 +318,5 @@ void api_job_cancel(struct server *s, const struct request *rq, struct reply *re
     if (j->unsaved)
         problem_reply(rq, re, 503, "the change is not on disk yet");
     else
-        reply_job(s, rq, re, 200, j);
+        api_job_reply(s, rq, re, 200, j);
 }

@@ -12,7 +12,7 @@
 #include "common/buf.h"
 #include "server/disk.h"
 
-enum { VERSION = 1, VERSION_LAYERS = 2, STEP = 1 << 20 };
+enum { VERSION = 3, STEP = 1 << 20 };
 
 static const char magic[8] = {'S', 'M', 'L', 'T', 'F', 'I', 'L', 'M'};
 
@@ -20,17 +20,16 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "arrays are written as
 
 /* ---- the parts, in file order ---- */
 
-static uint32_t version_of(const struct store_job *row)
-{
-    return row->layers ? VERSION_LAYERS : VERSION;
-}
+_Static_assert(sizeof(struct block) == 5 * 8 + BLOCK_TOP * 4, "no padding in blocks");
+_Static_assert(sizeof(struct film_work) == 6 * 8 && sizeof(struct film_dropped) == 2 * 4,
+               "nor in these");
 
 static void head_write(const struct checkpoint *c, struct buf *out)
 {
     const struct store_job *row = &c->row;
     const struct tile_rect w = row->crop;
     buf_append(out, magic, sizeof magic);
-    buf_u32(out, version_of(row));
+    buf_u32(out, VERSION);
     buf_u32(out, c->tile_count);
     buf_u64(out, row->id);
     buf_u64(out, c->generation);
@@ -49,27 +48,31 @@ static void head_write(const struct checkpoint *c, struct buf *out)
     }
 }
 
-enum { HEAD_BYTES = 8 + 4 + 4 + 8 + 8 + 6 * 4 + 5 * 8, MOST_ARRAYS = 6 };
+enum { HEAD_BYTES = 8 + 4 + 4 + 8 + 8 + 6 * 4 + 5 * 8, ARRAYS = 10 };
 
 struct span {
     void *data;
     size_t bytes;
 };
 
-/* Returns how many. */
-static int arrays_of(struct checkpoint *c, struct span out[MOST_ARRAYS])
+static void arrays_of(struct checkpoint *c, struct span out[ARRAYS])
 {
-    const size_t pixels = tile_rect_pixels(c->row.crop);
-    out[0] = (struct span){c->merged, c->tile_count * sizeof *c->merged};
-    out[1] = (struct span){c->film.sum, pixels * 3 * sizeof *c->film.sum};
-    out[2] = (struct span){c->film.replicate, pixels * FILM_CHANNELS * sizeof *c->film.replicate};
-    out[3] = (struct span){c->film.spp, pixels * sizeof *c->film.spp};
-    if (!c->row.layers)
-        return 4;
-    out[4] = (struct span){&c->film.layers, sizeof c->film.layers};
-    out[5] = (struct span){c->film.layer,
-                           pixels * layers_channels(c->row.layers) * sizeof *c->film.layer};
-    return 6;
+    struct film *f = &c->film;
+    const size_t pixels = tile_rect_pixels(c->row.crop), blocks = block_count(c->row.crop);
+    const size_t channels = layers_channels(c->row.layers);
+    const struct span all[ARRAYS] = {
+        {&f->work, sizeof f->work},
+        {&f->dropped, sizeof f->dropped},
+        {c->merged, c->tile_count * sizeof *c->merged},
+        {f->sum, pixels * 3 * sizeof *f->sum},
+        {f->replicate, pixels * FILM_CHANNELS * sizeof *f->replicate},
+        {f->spp, pixels * sizeof *f->spp},
+        {&f->layers, sizeof f->layers},
+        {f->layer, pixels * channels * sizeof *f->layer},
+        {f->blocks, blocks * sizeof *f->blocks},
+        {f->variance, blocks * BLOCK_DOUBLINGS * sizeof *f->variance},
+    };
+    memcpy(out, all, sizeof all);
 }
 
 /* ---- writing ---- */
@@ -77,6 +80,8 @@ static int arrays_of(struct checkpoint *c, struct span out[MOST_ARRAYS])
 static bool put(struct disk_file *f, struct hash *h, const void *data, size_t bytes,
                 struct err *err)
 {
+    if (!bytes) /* the layers of a film that has none */
+        return true;
     hash_add(h, data, bytes);
     return disk_write(f, data, bytes, err);
 }
@@ -84,13 +89,13 @@ static bool put(struct disk_file *f, struct hash *h, const void *data, size_t by
 static bool write_all(struct checkpoint *c, struct disk_file *f, struct err *err)
 {
     struct buf head = {0};
-    struct span arrays[MOST_ARRAYS];
+    struct span arrays[ARRAYS];
     struct hash *h = hash_new();
     char hex[HASH_HEX];
     head_write(c, &head);
-    const int count = arrays_of(c, arrays);
+    arrays_of(c, arrays);
     bool ok = put(f, h, head.data, head.size, err);
-    for (int i = 0; ok && i < count; i++)
+    for (int i = 0; ok && i < ARRAYS; i++)
         ok = put(f, h, arrays[i].data, arrays[i].bytes, err);
     buf_release(&head);
     hash_finish(h, hex);
@@ -143,7 +148,7 @@ static bool read_head(struct source *s, struct checkpoint *c, struct err *err)
     struct store_job *row = &c->row;
     const struct tile_rect w = row->crop;
     bool ok = !memcmp(buf_read(&r, sizeof magic), magic, sizeof magic);
-    ok &= buf_read_u32(&r) == version_of(row);
+    ok &= buf_read_u32(&r) == VERSION;
     ok &= buf_read_u32(&r) == c->tile_count;
     ok &= buf_read_u64(&r) == row->id;
     c->generation = buf_read_u64(&r);
@@ -210,11 +215,11 @@ static bool passes_agree(const struct checkpoint *c)
 
 static bool read_all(struct source *s, struct checkpoint *c, struct err *err)
 {
-    struct span arrays[MOST_ARRAYS];
+    struct span arrays[ARRAYS];
     if (!read_head(s, c, err) || !read_keys(s, c, err))
         return false;
-    const int count = arrays_of(c, arrays);
-    for (int i = 0; i < count; i++)
+    arrays_of(c, arrays);
+    for (int i = 0; i < ARRAYS; i++)
         if (!get(s, arrays[i].data, arrays[i].bytes, err))
             return false;
     if (!read_close(s, err))

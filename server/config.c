@@ -141,6 +141,9 @@ static bool apply(struct config *c, enum flag flag, const char *text, struct err
     case FLAG_TILE:
         if (!read_integer(name, text, TILE_MIN_PX, TILE_MAX_PX, &v, err))
             return false;
+        if (!tile_px_is_sane((uint64_t)v))
+            return err_set(err, ERR_INPUT, "%s: expected a multiple of %d, got %s", name,
+                           TILE_STEP_PX, text);
         c->tile_px = (uint32_t)v;
         return true;
     case FLAG_LEASE_TTL:

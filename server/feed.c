@@ -139,6 +139,8 @@ static struct job *receiver_of(struct server *s, const struct wire_samples *w, u
     else if (l && (l->job != j || l->tile != w->tile || l->pass != w->pass))
         err_set(err, ERR_PROTOCOL, "payload of tile %u, pass %u: the lease is for tile %u, pass %u",
                 w->tile, w->pass, l->tile, l->pass);
+    else if (job_wants_plan(j))
+        err_set(err, ERR_CONFLICT, "the job has no plan yet");
     else if (job_is_over(j))
         err_set(err, ERR_CONFLICT, "the job is %s", store_state_name(j->row.state));
     else if (!merge_check(j, w, err))
@@ -213,6 +215,92 @@ void feed_deliver(struct server *s, const struct request *rq, struct reply *re)
                       rq->samples->tile);
     else
         reply_delivered(s, rq, re, w, (uint32_t)want, r);
+}
+
+/* ---- PUT /v1/leases/ID/plan ---- */
+
+/* A plan's method; the rest of it is for people to read, and is passed on as it came. */
+static bool plan_read(json_t *root, enum plan_candidate_kind *k, struct err *err)
+{
+    const char *integrator, *strategy;
+    int version;
+    json_error_t e;
+    if (json_unpack_ex(root, &e, 0, "{s:i, s:{s:s, s:s}}", "version", &version, "method",
+                       "integrator", &integrator, "strategy", &strategy) != 0)
+        return err_set(err, ERR_INPUT, "%s", e.text);
+    if (version != PLAN_VERSION)
+        return err_set(err, ERR_INPUT, "version: expected %d, got %d", PLAN_VERSION, version);
+    *k = plan_find(integrator, strategy);
+    return *k < PLAN_REAL || err_set(err, ERR_INPUT, "method: there is no \"%.20s\", \"%.20s\"",
+                                     integrator, strategy);
+}
+
+/* The file first, the row second: a row never claims a plan that is not on disk. */
+static bool plan_keep(struct server *s, struct job *j, const struct buf *text,
+                      enum plan_candidate_kind k, struct err *err)
+{
+    char directory[DISK_PATH - 32], path[DISK_PATH];
+    struct disk_file f;
+    server_job_directory(s, j, directory, sizeof directory);
+    snprintf(path, sizeof path, "%s/plan.json", directory);
+    if (!disk_directory(directory, err) || !disk_create(&f, path, err))
+        return false;
+    if (!disk_write(&f, text->data, text->size, err)) {
+        disk_abort(&f);
+        return false;
+    }
+    if (!disk_commit(&f, err))
+        return false;
+    job_plan_made(j, k);
+    if (server_job_save(s, j))
+        return true;
+    j->row.method = STORE_METHOD_OPEN;
+    return err_set(err, ERR_IO, "the plan is not on disk yet");
+}
+
+static void plan_deliver(struct server *s, const struct request *rq, struct reply *re,
+                         struct lease *l, uint32_t want)
+{
+    struct err err;
+    enum plan_candidate_kind k = PLAN_REAL;
+    struct job *j = l->job;
+    struct worker *w = l->worker;
+    json_t *root = body_parse(rq, re);
+    if (!root)
+        return;
+    const bool good = plan_read(root, &k, &err) && plan_keep(s, j, &rq->body, k, &err);
+    json_decref(root);
+    if (!good) {
+        problem_from_err(rq, re, &err);
+        return;
+    }
+    job_plan_back(j);
+    server_lease_end(s, l);
+    s->news = true;
+    w->delivered++;
+    const struct plan_names n = plan_names(k);
+    log_info("plan job=%016llx integrator=%s strategy=%s worker=%s", (unsigned long long)j->row.id,
+             n.integrator, n.strategy, w->name);
+    size_t granted;
+    root = grant_leases(s, w, want, &granted);
+    json_object_set_new(root, "result", json_string("planned"));
+    body_reply(rq, re, 200, root);
+}
+
+void feed_plan(struct server *s, const struct request *rq, struct reply *re)
+{
+    uint64_t id;
+    int64_t want;
+    if (!delivery_read(rq, re, &id, &want))
+        return;
+    struct lease *l = lease_find(s->leases, id);
+    if (!l)
+        problem_reply(rq, re, 404, "no such lease: %s", rq->part[0]);
+    else if (l->tile != JOB_PLAN)
+        problem_reply(rq, re, 400, "the lease is for tile %u, pass %u, not for a plan", l->tile,
+                      l->pass);
+    else
+        plan_deliver(s, rq, re, l, (uint32_t)want);
 }
 
 /* ---- renew, give back ---- */

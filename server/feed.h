@@ -12,6 +12,7 @@ route_prepare feed_prepare_delivery; /* decodes the payload; pool threads */
 
 route_handler feed_lease;   /* POST   /v1/leases */
 route_handler feed_deliver; /* PUT    /v1/leases/ID */
+route_handler feed_plan;    /* PUT    /v1/leases/ID/plan */
 route_handler feed_renew;   /* POST   /v1/leases/ID/renew */
 route_handler feed_return;  /* DELETE /v1/leases/ID */
 route_handler feed_workers; /* GET    /v1/workers */

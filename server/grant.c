@@ -7,7 +7,17 @@
 
 #include "common/clock.h"
 
-static json_t *lease_json(const struct server *s, const struct lease *l)
+static json_t *plan_lease_json(const struct server *s, const struct lease *l)
+{
+    char lease[24], job[24];
+    snprintf(lease, sizeof lease, "%016llx", (unsigned long long)l->id);
+    snprintf(job, sizeof job, "%016llx", (unsigned long long)l->job->row.id);
+    return json_pack("{s:s, s:s, s:s, s:b, s:I}", "lease", lease, "job", job, "document",
+                     l->job->row.document, "plan", 1, "ttl_ms",
+                     (json_int_t)s->config->lease_ttl_ms);
+}
+
+static json_t *pass_lease_json(const struct server *s, const struct lease *l)
 {
     const struct job *j = l->job;
     const struct tile_rect r = tile_rect_of(&j->grid, l->tile);
@@ -23,12 +33,30 @@ static json_t *lease_json(const struct server *s, const struct lease *l)
                      (json_int_t)s->config->lease_ttl_ms);
 }
 
+static json_t *lease_json(const struct server *s, const struct lease *l)
+{
+    if (l->tile == JOB_PLAN)
+        return plan_lease_json(s, l);
+    json_t *root = pass_lease_json(s, l);
+    if (l->job->row.method >= STORE_METHOD_PLANNED) {
+        const struct plan_names n =
+            plan_names((enum plan_candidate_kind)(l->job->row.method - STORE_METHOD_PLANNED));
+        json_object_set_new(
+            root, "method",
+            json_pack("{s:s, s:s}", "integrator", n.integrator, "strategy", n.strategy));
+    }
+    return root;
+}
+
 static struct lease *grant(struct server *s, struct worker *w, const struct sched_pick *pick)
 {
     struct job *j = pick->job;
     struct lease *l =
         lease_grant(s->leases, j, pick->tile, pick->pass, w, s->now_ms + s->config->lease_ttl_ms);
-    sched_grant(j, pick->tile, pick->pass, l->id);
+    if (pick->tile == JOB_PLAN)
+        job_plan_granted(j, l->id);
+    else
+        sched_grant(j, pick->tile, pick->pass, l->id);
     w->leases++;
     if (j->row.state == JOB_QUEUED) {
         job_start(j, s->now_ms, clock_unix_ms());
@@ -37,8 +65,8 @@ static struct lease *grant(struct server *s, struct worker *w, const struct sche
     return l;
 }
 
-/* A pass for this worker. Where a job settles on fewer samples, that is on disk before anybody is
- * given a pass of it. */
+/* A pass, or a plan, for this worker. Where a job settles on fewer samples, that is on disk before
+ * anybody is given a pass of it. */
 static bool find_work(struct server *s, const struct worker *w, struct sched_pick *pick)
 {
     for (;;)
@@ -46,6 +74,9 @@ static bool find_work(struct server *s, const struct worker *w, struct sched_pic
         case SCHED_NOTHING:
             return false;
         case SCHED_PASS:
+            return true;
+        case SCHED_PLAN:
+            pick->tile = JOB_PLAN;
             return true;
         case SCHED_OPEN:
             server_job_open(s, pick->job);
@@ -96,7 +127,8 @@ void grant_expired(struct server *s, struct lease *l)
              (unsigned long long)l->id, (unsigned long long)j->row.id, tile, pass, l->worker->name);
     server_lease_end(s, l);
     s->news = true;
-    if (!job_pass_expired(j, tile, pass) && !is_decided(j))
+    const bool goes_on = tile == JOB_PLAN ? job_plan_expired(j) : job_pass_expired(j, tile, pass);
+    if (!goes_on && !is_decided(j))
         server_job_end(s, j, JOB_FAILED);
 }
 
@@ -106,7 +138,10 @@ void grant_returned(struct server *s, struct lease *l)
     const uint32_t tile = l->tile, pass = l->pass;
     server_lease_end(s, l);
     j->row.returned++;
-    job_slot_ready(j, tile, pass);
+    if (tile == JOB_PLAN)
+        job_plan_back(j);
+    else
+        job_slot_ready(j, tile, pass);
     s->news = true;
 }
 
@@ -120,7 +155,10 @@ void grant_failed(struct server *s, struct lease *l, const char *reason)
     server_lease_end(s, l);
     j->row.returned++;
     s->news = true;
-    if (!job_pass_failed(j, tile, pass, worker, reason, s->now_ms) && !is_decided(j))
+    const bool goes_on = tile == JOB_PLAN
+                             ? job_plan_failed(j, worker, reason, s->now_ms)
+                             : job_pass_failed(j, tile, pass, worker, reason, s->now_ms);
+    if (!goes_on && !is_decided(j))
         server_job_end(s, j, JOB_FAILED);
 }
 

@@ -12,8 +12,12 @@
 
 struct image_facts {
     const char *job, *document, *target; /* target: JSON text */
+    const char *plan;                    /* JSON text; NULL or "": there is none */
     const char *digest;                  /* image_digest of the image */
+    const char *report;                  /* JSON text, docs/http.md */
     float error;                         /* reached; +infinity: unknown */
+    float error_low, error_high;         /* its 95 % interval; 0, +infinity: unknown */
+    float unknown, heavy; /* shares of pixels without trusted error bars, evidence.h */
     float cpu_seconds;
     uint32_t spp; /* every pixel has at least these */
 };

@@ -62,15 +62,24 @@ static exr_result_t add_facts(exr_context_t f, const struct image_facts *x)
         {"smalti.job", x->job},
         {"smalti.document", x->document},
         {"smalti.target", x->target},
+        {"smalti.plan", x->plan},
         {"smalti.digest", x->digest},
+        {"smalti.report", x->report},
+    };
+    const struct {
+        const char *name;
+        float value;
+    } numbers[] = {
+        {"smalti.error", x->error},          {"smalti.errorLow", x->error_low},
+        {"smalti.errorHigh", x->error_high}, {"smalti.untrusted", x->unknown + x->heavy},
+        {"smalti.heavyTail", x->heavy},      {"smalti.cpuSeconds", x->cpu_seconds},
     };
     exr_result_t r = exr_attr_set_chromaticities(f, 0, "chromaticities", &rec709);
     for (size_t i = 0; !r && i < countof(texts); i++)
-        r = exr_attr_set_string(f, 0, texts[i].name, texts[i].value);
-    if (!r)
-        r = exr_attr_set_float(f, 0, "smalti.error", x->error);
-    if (!r)
-        r = exr_attr_set_float(f, 0, "smalti.cpuSeconds", x->cpu_seconds);
+        if (texts[i].value && *texts[i].value)
+            r = exr_attr_set_string(f, 0, texts[i].name, texts[i].value);
+    for (size_t i = 0; !r && i < countof(numbers); i++)
+        r = exr_attr_set_float(f, 0, numbers[i].name, numbers[i].value);
     return r ? r : exr_attr_set_int(f, 0, "smalti.spp", (int32_t)x->spp);
 }
 

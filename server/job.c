@@ -20,6 +20,7 @@ struct job *job_new(const struct store_job *row)
 void job_free(struct job *j)
 {
     job_close(j);
+    convergence_release(&j->convergence);
     free(j);
 }
 
@@ -117,8 +118,23 @@ void job_start(struct job *j, int64_t now_ms, int64_t unix_ms)
 {
     assert(j->row.state == JOB_QUEUED);
     j->row.state = JOB_RUNNING;
-    j->row.started_unix_ms = unix_ms;
+    if (!j->row.started_unix_ms)
+        j->row.started_unix_ms = unix_ms;
     j->running_from_ms = now_ms;
+    job_touch(j);
+}
+
+void job_continue(struct job *j, const struct scene_target *target)
+{
+    assert(j->row.state == JOB_DONE && !j->open && !j->writing);
+    j->row.state = JOB_QUEUED;
+    j->row.target = *target;
+    j->row.settled = false;
+    j->row.finished_unix_ms = 0;
+    *j->row.digest = 0;
+    j->rate = (struct rate){0};
+    j->finishing = j->reached = j->film_failed = false;
+    j->retry_ms = 0;
     job_touch(j);
 }
 
@@ -208,23 +224,28 @@ void job_trouble_forget(struct job *j, uint32_t tile, uint32_t pass)
 
 static bool give_up(struct job *j, uint32_t tile, uint32_t pass)
 {
-    j->row.failure.has_pass = true;
+    j->row.failure.has_pass = tile != JOB_PLAN;
     j->row.failure.tile = tile;
     j->row.failure.pass = pass;
     return false;
 }
 
-bool job_pass_expired(struct job *j, uint32_t tile, uint32_t pass)
+static bool note_expiry(struct job *j, uint32_t tile, uint32_t pass)
 {
     j->row.expired++;
     job_touch(j);
-    job_slot_ready(j, tile, pass);
     struct job_trouble *t = job_trouble_of(j, tile, pass);
     if (++t->expiries < JOB_MAX_EXPIRIES)
         return true;
     snprintf(j->row.failure.reason, STORE_REASON,
              "the lease lapsed %u times: the pass may stop its workers", t->expiries);
     return give_up(j, tile, pass);
+}
+
+bool job_pass_expired(struct job *j, uint32_t tile, uint32_t pass)
+{
+    job_slot_ready(j, tile, pass);
+    return note_expiry(j, tile, pass);
 }
 
 /* The reason was cut to fit: not in the middle of a character (UTF-8, RFC 3629). */
@@ -241,26 +262,87 @@ static void trim(char *text)
         text[n - 1 - tail] = '\0';
 }
 
-bool job_pass_failed(struct job *j, uint32_t tile, uint32_t pass, uint32_t worker,
-                     const char *reason, int64_t now_ms)
+static bool note_failure(struct job *j, struct job_trouble *t, uint32_t worker, const char *reason,
+                         int64_t now_ms)
 {
     job_touch(j);
-    struct job_trouble *t = job_trouble_of(j, tile, pass);
     bool known = false;
     for (uint32_t i = 0; i < t->worker_count; i++)
         known |= t->workers[i] == worker;
     if (!known)
         t->workers[t->worker_count++] = worker;
     t->failures++;
-    if (t->worker_count == JOB_MAX_WORKERS || t->failures == JOB_MAX_FAILURES) {
-        snprintf(j->row.failure.reason, STORE_REASON, "failed %u times on %u workers, last: %s",
-                 t->failures, t->worker_count, reason);
-        trim(j->row.failure.reason);
-        return give_up(j, tile, pass);
-    }
     t->shun_until_ms = now_ms + JOB_SHUN_MS;
+    if (t->worker_count < JOB_MAX_WORKERS && t->failures < JOB_MAX_FAILURES)
+        return true;
+    snprintf(j->row.failure.reason, STORE_REASON, "failed %u times on %u workers, last: %s",
+             t->failures, t->worker_count, reason);
+    trim(j->row.failure.reason);
+    return give_up(j, t->tile, t->pass);
+}
+
+bool job_pass_failed(struct job *j, uint32_t tile, uint32_t pass, uint32_t worker,
+                     const char *reason, int64_t now_ms)
+{
+    if (!note_failure(j, job_trouble_of(j, tile, pass), worker, reason, now_ms))
+        return false;
     *job_slot(j, tile, pass) = (struct job_slot){.state = SLOT_SHUNNED};
     return true;
+}
+
+/* ---- the plan ---- */
+
+bool job_wants_plan(const struct job *j)
+{
+    return j->row.method == STORE_METHOD_OPEN;
+}
+
+bool job_plan_may_try(const struct job *j, uint32_t worker, int64_t now_ms)
+{
+    if (j->plan_lease)
+        return false;
+    for (uint32_t i = 0; i < j->trouble_count; i++) {
+        const struct job_trouble *t = &j->troubles[i];
+        for (uint32_t w = 0; t->tile == JOB_PLAN && w < t->worker_count; w++)
+            if (t->workers[w] == worker && now_ms < t->shun_until_ms)
+                return false;
+    }
+    return true;
+}
+
+void job_plan_granted(struct job *j, uint64_t lease)
+{
+    assert(job_wants_plan(j) && !j->plan_lease);
+    j->plan_lease = lease;
+    j->lease_count++;
+    j->row.granted++;
+    job_touch(j);
+}
+
+void job_plan_back(struct job *j)
+{
+    j->plan_lease = 0;
+    job_touch(j);
+}
+
+bool job_plan_expired(struct job *j)
+{
+    job_plan_back(j);
+    return note_expiry(j, JOB_PLAN, 0);
+}
+
+bool job_plan_failed(struct job *j, uint32_t worker, const char *reason, int64_t now_ms)
+{
+    job_plan_back(j);
+    return note_failure(j, job_trouble_of(j, JOB_PLAN, 0), worker, reason, now_ms);
+}
+
+void job_plan_made(struct job *j, enum plan_candidate_kind k)
+{
+    assert(job_wants_plan(j) && k < PLAN_REAL);
+    j->row.method = STORE_METHOD_PLANNED + (uint32_t)k;
+    job_trouble_forget(j, JOB_PLAN, 0);
+    job_touch(j);
 }
 
 void job_fail_reason(struct job *j, const char *reason)

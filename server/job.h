@@ -17,6 +17,7 @@
 #define SERVER_JOB_H
 
 #include "common/film.h"
+#include "server/convergence.h"
 #include "server/rate.h"
 #include "server/store.h"
 
@@ -28,12 +29,14 @@ enum {
     JOB_SHUN_MS = 5000,    /* how long a failed pass waits for another worker */
 };
 
+#define JOB_PLAN UINT32_MAX /* in place of a tile: a lease to make the plan, not a pass */
+
 enum slot_state { SLOT_READY, SLOT_LEASED, SLOT_HELD, SLOT_SHUNNED };
 
 struct job_held { /* a payload that came early */
     uint64_t cpu_us;
-    struct film_samples samples; /* samples.sums is `sums`, layer_sums what follows */
-    float sums[];
+    struct film_samples samples; /* its arrays: `blocks`, then sums, then layer_sums */
+    struct block blocks[];
 };
 
 struct job_slot {
@@ -48,8 +51,8 @@ struct job_tile {
                                            * p % JOB_LOOKAHEAD */
 };
 
-struct job_trouble { /* a pass that failed or lapsed and is not merged yet */
-    uint32_t tile, pass;
+struct job_trouble {     /* a pass that failed or lapsed and is not merged yet */
+    uint32_t tile, pass; /* or JOB_PLAN, 0: the plan */
     uint32_t expiries, failures, worker_count;
     uint32_t workers[JOB_MAX_WORKERS]; /* their numbers (farm.h) */
     int64_t shun_until_ms;             /* SLOT_SHUNNED: any worker may try again from then on */
@@ -63,7 +66,11 @@ struct job {
     uint64_t version;        /* changes whenever something visible does */
     int64_t running_from_ms; /* elapsed time since then is not in row.elapsed_ms; < 0: standing */
     struct rate rate;        /* merged samples */
+    struct convergence
+        convergence; /* of a job that is not over: others' points are in the store alone */
     uint32_t lease_count;
+
+    uint64_t plan_lease; /* 0: nobody makes its plan */
 
     bool unsaved; /* its row did not reach the disk */
     bool open;    /* what follows exists */
@@ -106,6 +113,8 @@ void job_touch(struct job *); /* something visible has changed */
 
 /* Transitions; each asserts where it comes from. The caller saves the row. */
 void job_start(struct job *, int64_t now_ms, int64_t unix_ms); /* first lease */
+/* Done, and now to be queued for more. */
+void job_continue(struct job *, const struct scene_target *);
 void job_pause(struct job *, int64_t now_ms);
 void job_resume(struct job *, int64_t now_ms);
 void job_end(struct job *, enum job_state, int64_t now_ms, int64_t unix_ms); /* done, failed... */
@@ -123,6 +132,16 @@ void job_trouble_forget(struct job *, uint32_t tile, uint32_t pass);
 bool job_pass_expired(struct job *, uint32_t tile, uint32_t pass);
 bool job_pass_failed(struct job *, uint32_t tile, uint32_t pass, uint32_t worker,
                      const char *reason, int64_t now_ms);
+
+/* A plan is wanted of an open job that has none: it is leased as a whole, and lapses and fails as
+ * passes do. */
+bool job_wants_plan(const struct job *);
+bool job_plan_may_try(const struct job *, uint32_t worker, int64_t now_ms);
+void job_plan_granted(struct job *, uint64_t lease);
+void job_plan_back(struct job *); /* for anyone */
+bool job_plan_expired(struct job *);
+bool job_plan_failed(struct job *, uint32_t worker, const char *reason, int64_t now_ms);
+void job_plan_made(struct job *, enum plan_candidate_kind);
 void job_fail_reason(struct job *, const char *reason); /* without a pass */
 
 #endif

@@ -34,6 +34,9 @@ bool merge_check(const struct job *j, const struct wire_samples *w, struct err *
                        "payload rectangle [%u, %u, %u, %u]: tile %u is [%u, %u, %u, %u]",
                        s->rect.x_begin, s->rect.y_begin, s->rect.x_end, s->rect.y_end, w->tile,
                        rect.x_begin, rect.y_begin, rect.x_end, rect.y_end);
+    if (!s->blocks)
+        return err_set(err, ERR_PROTOCOL, "payload without blocks: expected version %d",
+                       WIRE_VERSION);
     if (s->layers != j->row.layers)
         return err_set(err, ERR_PROTOCOL, "payload layers 0x%x: expected 0x%x", s->layers,
                        j->row.layers);
@@ -89,10 +92,10 @@ static void merge_one(struct job *j, uint32_t tile, const struct film_samples *s
     job_touch(j);
 }
 
-/* Floats of a payload with the job's layers. */
-static size_t held_count(const struct job *j, struct tile_rect rect)
+static size_t held_bytes(const struct film_samples *s)
 {
-    return (size_t)tile_rect_pixels(rect) * (FILM_CHANNELS + layers_channels(j->row.layers));
+    return block_count(s->rect) * sizeof *s->blocks +
+           tile_rect_pixels(s->rect) * (FILM_CHANNELS + layers_channels(s->layers)) * sizeof(float);
 }
 
 /* What was waiting for this tile's next pass. */
@@ -104,7 +107,7 @@ static void merge_waiting(struct job *j, uint32_t tile, int64_t now_ms)
         if (s->state != SLOT_HELD || !may_merge(j, t->merged))
             return;
         struct job_held *h = s->held;
-        j->held_bytes -= held_count(j, h->samples.rect) * sizeof h->sums[0];
+        j->held_bytes -= held_bytes(&h->samples);
         merge_one(j, tile, &h->samples, h->cpu_us, now_ms);
         free(h);
     }
@@ -112,19 +115,22 @@ static void merge_waiting(struct job *j, uint32_t tile, int64_t now_ms)
 
 static void hold(struct job *j, const struct wire_samples *w)
 {
-    const size_t count = held_count(j, w->samples.rect);
-    const size_t image = (size_t)tile_rect_pixels(w->samples.rect) * FILM_CHANNELS;
-    struct job_held *h = arena_malloc(1, sizeof *h + count * sizeof h->sums[0]);
+    const struct film_samples *s = &w->samples;
+    const size_t blocks = block_count(s->rect), pixels = tile_rect_pixels(s->rect);
+    const size_t image = pixels * FILM_CHANNELS, layers = pixels * layers_channels(s->layers);
+    struct job_held *h = arena_malloc(1, sizeof *h + held_bytes(s));
+    float *const sums = (float *)(h->blocks + blocks);
     h->cpu_us = w->cpu_us;
-    h->samples = w->samples;
-    h->samples.sums = h->sums;
-    memcpy(h->sums, w->samples.sums, image * sizeof h->sums[0]);
-    if (count > image) {
-        h->samples.layer_sums = h->sums + image;
-        memcpy(h->samples.layer_sums, w->samples.layer_sums, (count - image) * sizeof h->sums[0]);
-    }
+    h->samples = *s;
+    h->samples.blocks = h->blocks;
+    h->samples.sums = sums;
+    h->samples.layer_sums = layers ? sums + image : NULL;
+    memcpy(h->blocks, s->blocks, blocks * sizeof *s->blocks);
+    memcpy(sums, s->sums, image * sizeof *sums);
+    if (layers)
+        memcpy(sums + image, s->layer_sums, layers * sizeof *sums);
     *job_slot(j, w->tile, w->pass) = (struct job_slot){.state = SLOT_HELD, .held = h};
-    j->held_bytes += count * sizeof h->sums[0];
+    j->held_bytes += held_bytes(s);
 }
 
 enum merge_result merge_deliver(struct job *j, const struct wire_samples *w, int64_t now_ms)

@@ -35,31 +35,14 @@ static struct writer_task *task_new(const struct server *s, struct job *j, unsig
     return t;
 }
 
-static void film_copy(struct film *to, const struct film *from)
-{
-    const size_t pixels = tile_rect_pixels(from->window);
-    struct film copy;
-    film_init(&copy, from->window);
-    film_add_layers(&copy, from->layers);
-    memcpy(copy.sum, from->sum, pixels * 3 * sizeof *copy.sum);
-    memcpy(copy.replicate, from->replicate, pixels * FILM_CHANNELS * sizeof *copy.replicate);
-    memcpy(copy.spp, from->spp, pixels * sizeof *copy.spp);
-    if (from->layer)
-        memcpy(copy.layer, from->layer,
-               pixels * layers_channels(from->layers) * sizeof *copy.layer);
-    *to = *from;
-    to->sum = copy.sum;
-    to->replicate = copy.replicate;
-    to->spp = copy.spp;
-    to->layer = copy.layer;
-}
-
 static void film_move(struct film *to, struct film *from)
 {
     *to = *from;
     from->sum = NULL;
     from->replicate = NULL;
     from->spp = NULL;
+    from->blocks = NULL;
+    from->variance = NULL;
     from->layer = NULL;
 }
 
@@ -145,10 +128,23 @@ void output_last(struct server *s, struct job *j)
     job_close(j);
 }
 
+/* A point of the curve is of the snapshot, not of what has come meanwhile. */
+static void note_point(struct server *s, struct job *j, const struct writer_task *t)
+{
+    struct store_job row = t->snapshot.row;
+    struct err err;
+    row.error = t->error;
+    if (t->parts & WRITER_FINAL)
+        row.state = JOB_DONE;
+    if (!convergence_note(&j->convergence, s->store, &row, &err))
+        log_error("curve job=%016llx %s", (unsigned long long)row.id, err.text);
+}
+
 static void note_image(struct job *j, const struct writer_task *t)
 {
     j->row.image_version++;
     j->row.error = t->error;
+    j->row.report = t->snapshot.row.report;
     job_touch(j);
 }
 
@@ -162,11 +158,13 @@ static bool finish(struct server *s, struct writer_task *t)
     row.checkpoint = t->snapshot.generation;
     row.image_version++;
     row.error = t->error;
+    row.report = t->snapshot.row.report;
     memcpy(row.digest, t->digest, sizeof row.digest);
     if (!store_job_save(s->store, &row, &t->err))
         return false;
     j->row.checkpoint = row.checkpoint;
     memcpy(j->row.digest, row.digest, sizeof j->row.digest);
+    note_point(s, j, t);
     note_image(j, t);
     server_job_end(s, j, JOB_DONE);
     return true;
@@ -184,11 +182,12 @@ static void try_again(struct server *s, struct writer_task *t)
     }
 }
 
-static void judge(struct server *s, struct job *j, double error)
+static void judge(struct server *s, struct job *j, const struct writer_task *t)
 {
-    j->row.error = error;
+    j->row.error = t->error;
+    j->row.report = t->snapshot.row.report;
     job_touch(j);
-    if (error >= 0 && error <= j->row.target.error)
+    if (t->enough)
         j->reached = true;
     else
         merge_next_round(j, s->now_ms);
@@ -210,10 +209,12 @@ static void note_parts(struct server *s, const struct writer_task *t)
         j->image_samples = t->snapshot.row.samples;
         j->next_image_ms = s->now_ms + max_i64(s->config->image_ms, rest_ms);
     }
+    if (t->parts & (WRITER_ERROR | WRITER_IMAGE))
+        note_point(s, j, t);
     if (t->parts & (WRITER_FILM | WRITER_IMAGE))
         server_job_save(s, j);
     if (t->parts & WRITER_ERROR && merge_wants_judge(j) && !s->stopping)
-        judge(s, j, t->error);
+        judge(s, j, t);
 }
 
 void output_written(struct server *s, struct writer_task *t)

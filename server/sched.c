@@ -153,6 +153,8 @@ static enum sched_result job_next(const struct sched *s, struct job *j, uint32_t
     *pick = (struct sched_pick){.job = j};
     if (!j->open)
         return j->starved ? SCHED_NOTHING : SCHED_OPEN;
+    if (job_wants_plan(j))
+        return job_plan_may_try(j, worker, now_ms) ? SCHED_PLAN : SCHED_NOTHING;
     if (find_shunned(j, worker, now_ms, pick))
         return SCHED_PASS;
     const bool timed = j->row.target.seconds > 0 && !j->row.settled;

@@ -1,10 +1,10 @@
 /* sched.h - which pass to hand out next, across jobs.
  *
- * Jobs go by priority, then age. Inside a job breadth first: pass p of all tiles before pass p + 1,
- * up to JOB_LOOKAHEAD rounds beyond the last complete one (one beyond it for a job with an error
- * target, since that round may be thrown away). A job with a seconds target decides before each new
- * round whether it still fits. Pure; time is an argument.
- * SPDX-License-Identifier: MIT */
+ * Jobs go by priority, then age. A job that wants a plan has no passes before it has one. Inside a
+ * job breadth first: pass p of all tiles before pass p + 1, up to JOB_LOOKAHEAD rounds beyond the
+ * last complete one (one beyond it for a job with an error target, since that round may be thrown
+ * away). A job with a seconds target decides before each new round whether it still fits. Pure;
+ * time is an argument. SPDX-License-Identifier: MIT */
 #ifndef SERVER_SCHED_H
 #define SERVER_SCHED_H
 
@@ -25,6 +25,7 @@ void sched_reorder(struct sched *, struct job *); /* its priority has changed */
 enum sched_result {
     SCHED_NOTHING,
     SCHED_PASS,   /* pick is READY or free to be tried again: lease it */
+    SCHED_PLAN,   /* pick->job wants a plan: lease that */
     SCHED_OPEN,   /* pick->job must be opened (or marked starved) first: ask again then */
     SCHED_SETTLE, /* pick->job has settled on its spp: save its row, ask again then */
 };

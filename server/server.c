@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "server/server.h"
+#include "server/report.h"
 
 #include <assert.h>
 #include <fcntl.h>
@@ -114,6 +115,7 @@ void server_job_end(struct server *s, struct job *j, enum job_state state)
     if (j->lease_count)
         leases_of_job_end(s, j);
     sched_remove(&s->sched, j);
+    convergence_release(&j->convergence);
     if (j->open)
         s->film_bytes -= job_film_bytes(j);
     if (state == JOB_DONE)
@@ -137,6 +139,7 @@ static void counters_reset(struct store_job *row)
     row->samples = row->passes_done = row->cpu_us = row->invalid_count = 0;
     row->spp_done = row->key_count = 0;
     row->error = -1;
+    row->report = report_none();
 }
 
 static void film_load(struct server *s, struct job *j)
@@ -146,7 +149,8 @@ static void film_load(struct server *s, struct job *j)
     char path[DISK_PATH];
     server_job_directory(s, j, path, sizeof path - 8);
     strcat(path, "/film");
-    if (checkpoint_read(&c, path, &err)) {
+    const bool anew = !j->row.samples && j->row.image_version; /* continued, but not from there */
+    if (!anew && checkpoint_read(&c, path, &err)) {
         c.row.elapsed_ms = max_i64(c.row.elapsed_ms, j->row.elapsed_ms);
         j->row = c.row;
         job_open(j, &c.film, c.merged);
@@ -158,7 +162,9 @@ static void film_load(struct server *s, struct job *j)
                  (unsigned long long)j->row.samples);
         return;
     }
-    if (err.code != ERR_NOT_FOUND || j->row.samples)
+    if (anew)
+        unlink(path); /* nor may it be taken later, by a row that counts the new samples */
+    if (!anew && (err.code != ERR_NOT_FOUND || j->row.samples))
         log_warn("film job=%016llx starts from zero: %s", (unsigned long long)j->row.id, err.text);
     counters_reset(&j->row);
     film_init(&c.film, j->row.crop);
@@ -181,6 +187,41 @@ bool server_job_open(struct server *s, struct job *j)
     return true;
 }
 
+/* Whether a job with the target would have come by the very film that this one has in the end: the
+ * last pass ends where passes of any job do, and no judgement was due before that it would not have
+ * passed. */
+static bool film_is_on_the_way(const struct job *j, const struct scene_target *t)
+{
+    const struct store_job *row = &j->row;
+    const uint32_t last = tile_pass_count(row->spp_done) - 1;
+    const bool judged = t->error <= 0 || (row->target.error > 0 && t->error <= row->target.error);
+    return judged && tile_pass_of(last, SCENE_MAX_SPP).s_end == row->spp_done;
+}
+
+bool server_job_continue(struct server *s, struct job *j, const struct scene_target *t,
+                         struct err *err)
+{
+    const struct store_job before = j->row;
+    if (!film_is_on_the_way(j, t))
+        counters_reset(&j->row);
+    if (!convergence_load(&j->convergence, s->store, j->row.number, err))
+        goto failed;
+    job_continue(j, t);
+    if (!server_job_save(s, j)) {
+        err_set(err, ERR_IO, "the change is not on disk");
+        goto failed;
+    }
+    j->film_samples = j->image_samples = 0;
+    sched_add(&s->sched, j);
+    s->news = true;
+    log_info("job=%016llx goes on from spp=%u", (unsigned long long)j->row.id, j->row.spp_done);
+    return true;
+failed:
+    j->row = before;
+    convergence_release(&j->convergence);
+    return false;
+}
+
 /* ---- opening ---- */
 
 static void recover_row(void *context, const struct store_job *row)
@@ -191,9 +232,19 @@ static void recover_row(void *context, const struct store_job *row)
         job_resume(j, s->now_ms);
 }
 
+static bool recover_curves(struct server *s, struct err *err)
+{
+    for (size_t i = 0; i < s->sched.count; i++) {
+        struct job *j = s->sched.jobs[i];
+        if (!convergence_load(&j->convergence, s->store, j->row.number, err))
+            return false;
+    }
+    return true;
+}
+
 static bool recover(struct server *s, struct err *err)
 {
-    if (!store_jobs(s->store, recover_row, s, err))
+    if (!store_jobs(s->store, recover_row, s, err) || !recover_curves(s, err))
         return false;
     for (size_t i = 0; i < s->sched.count; i++) {
         struct job *j = s->sched.jobs[i];

@@ -43,6 +43,10 @@ bool server_open(struct server *, const struct config *, struct err *) MUST_CHEC
 void server_loop(struct server *); /* until MESSAGE_STOP; leaves every film on disk */
 void server_close(struct server *);
 
+/* A job that is done, with a target further on. Its film is kept if it is what the new job would have had
+ * there, else it begins anew. ERR_IO: nothing has changed. */
+bool server_job_continue(struct server *, struct job *, const struct scene_target *,
+                         struct err *) MUST_CHECK;
 struct job *server_job_find(const struct server *, uint64_t id); /* NULL: none */
 struct job *server_job_add(struct server *, const struct store_job *stored);
 bool server_job_save(struct server *, struct job *); /* false: logged; tried again by and by */

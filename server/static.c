@@ -15,12 +15,14 @@
 
 EMBED(page, "web/index.html");
 EMBED(script, "web/app.js");
+EMBED(curve, "web/curve.js");
 EMBED(style, "web/style.css");
 EMBED(schema, "docs/scene.schema.json");
 
 static const struct static_file files[] = {
     {"/", "text/html; charset=utf-8", static_page_begin, static_page_end},
     {"/app.js", "text/javascript; charset=utf-8", static_script_begin, static_script_end},
+    {"/curve.js", "text/javascript; charset=utf-8", static_curve_begin, static_curve_end},
     {"/style.css", "text/css; charset=utf-8", static_style_begin, static_style_end},
     {"/v1/schema/scene.json", "application/schema+json", static_schema_begin, static_schema_end},
 };

@@ -5,6 +5,8 @@
 
 #include <jansson.h>
 
+#include "server/status_report.h"
+
 static json_t *number_or_null(bool known, double v)
 {
     return known ? json_real(v) : json_null();
@@ -23,6 +25,16 @@ static json_t *rect_json(struct tile_rect r)
 
 /* ---- how far, how fast, how long ---- */
 
+/* Samples until the error target, in all; 0: unknown, or there is none. */
+static struct forecast forecast_of(const struct job *j)
+{
+    struct forecast f = {0};
+    const double target = j->row.target.error;
+    if (!(target > 0) || job_is_over(j) || !convergence_forecast(&j->convergence, target, &f))
+        return (struct forecast){0};
+    return f;
+}
+
 static double progress_of(const struct job *j, int64_t now_ms)
 {
     const struct scene_target *t = &j->row.target;
@@ -33,9 +45,9 @@ static double progress_of(const struct job *j, int64_t now_ms)
         const double f = (double)job_elapsed_ms(j, now_ms) / 1000 / t->seconds;
         most = f > most ? f : most;
     }
-    if (t->error > 0 && j->row.error > 0) {
-        /* Errors fall with the root of the samples. */
-        const double f = t->error * t->error / (j->row.error * j->row.error);
+    const struct forecast fore = forecast_of(j);
+    if (fore.samples > 0) {
+        const double f = (double)j->row.samples / fore.samples;
         most = f > most ? f : most;
     }
     return most < 1 ? most : 1;
@@ -56,9 +68,9 @@ static double eta_of(const struct job *j, double speed, int64_t now_ms)
         return -1;
     const double merged = (double)j->row.samples;
     double least = ((double)j->pixels * t->spp - merged) / speed;
-    if (t->error > 0 && j->row.error > t->error) {
-        const double ratio = j->row.error / t->error;
-        const double eta = merged * (ratio * ratio - 1) / speed;
+    const struct forecast f = forecast_of(j);
+    if (f.samples > 0) {
+        const double eta = (f.samples - merged) / speed;
         least = eta < least ? eta : least;
     }
     if (t->seconds > 0) {
@@ -76,16 +88,6 @@ static json_t *target_json(const struct scene_target *t)
                      (json_int_t)t->spp, "seconds", number_or_null(t->seconds > 0, t->seconds));
 }
 
-static json_t *invalid_json(const struct store_job *row)
-{
-    json_t *keys = json_array();
-    for (uint32_t i = 0; i < row->key_count; i++)
-        json_array_append_new(keys, json_pack("[I,I,I]", (json_int_t)row->keys[i].x_px,
-                                              (json_int_t)row->keys[i].y_px,
-                                              (json_int_t)row->keys[i].sample));
-    return json_pack("{s:I, s:o}", "count", (json_int_t)row->invalid_count, "keys", keys);
-}
-
 static json_t *failure_json(const struct job *j)
 {
     const struct store_failure *f = &j->row.failure;
@@ -100,6 +102,12 @@ static json_t *failure_json(const struct job *j)
                      rect_json(tile_rect_of(&j->grid, f->tile)), "pass", (json_int_t)f->pass);
 }
 
+static json_t *warnings_json(const struct store_job *r)
+{
+    json_t *list = json_loads(r->warnings, 0, NULL);
+    return json_is_array(list) ? list : json_array();
+}
+
 static size_t workers_of(const struct server *s, const struct job *j)
 {
     static uint64_t mark; /* owner thread only */
@@ -112,6 +120,16 @@ static size_t workers_of(const struct server *s, const struct job *j)
             l->worker->mark = mark;
     }
     return n;
+}
+
+/* Of a job that is planned. */
+static json_t *method_json(const struct store_job *r)
+{
+    if (r->method < STORE_METHOD_PLANNED)
+        return json_null();
+    const struct plan_names n =
+        plan_names((enum plan_candidate_kind)(r->method - STORE_METHOD_PLANNED));
+    return json_pack("{s:s, s:s}", "integrator", n.integrator, "strategy", n.strategy);
 }
 
 static void add_identity(json_t *root, const struct job *j)
@@ -133,6 +151,8 @@ static void add_identity(json_t *root, const struct job *j)
     json_object_set_new(root, "tile_px", json_integer(r->tile_px));
     json_object_set_new(root, "tiles", json_integer(j->tile_count));
     json_object_set_new(root, "target", target_json(&r->target));
+    json_object_set_new(root, "auto", json_boolean(r->method != STORE_METHOD_GIVEN));
+    json_object_set_new(root, "method", method_json(r));
 }
 
 static void add_progress(json_t *root, const struct job *j, int64_t now_ms)
@@ -161,15 +181,58 @@ json_t *status_job(const struct server *s, const struct job *j)
     add_identity(root, j);
     add_progress(root, j, s->now_ms);
     json_object_set_new(root, "workers", json_integer((json_int_t)workers_of(s, j)));
-    json_object_set_new(root, "invalid_samples", invalid_json(r));
+    json_object_set_new(root, "invalid_samples", status_report_invalid(r));
     json_object_set_new(root, "leases",
                         json_pack("{s:I, s:I, s:I, s:I}", "granted", (json_int_t)r->granted,
                                   "expired", (json_int_t)r->expired, "returned",
                                   (json_int_t)r->returned, "duplicates",
                                   (json_int_t)r->duplicates));
+    json_object_set_new(root, "report", status_report(r));
     json_object_set_new(root, "failure", failure_json(j));
+    json_object_set_new(root, "warnings", warnings_json(r));
     json_object_set_new(root, "image",
                         json_pack("{s:I, s:o}", "version", (json_int_t)r->image_version, "digest",
                                   *r->digest ? json_string(r->digest) : json_null()));
     return root;
+}
+
+/* ---- the curve ---- */
+
+static json_t *point_json(const struct store_point *p)
+{
+    json_t *interval =
+        p->error_low < 0 ? json_null() : json_pack("[f,f]", p->error_low, p->error_high);
+    return json_pack("{s:I, s:I, s:I, s:f, s:f, s:f, s:o}", "samples", (json_int_t)p->samples,
+                     "spp", (json_int_t)p->spp, "units", (json_int_t)p->units, "seconds",
+                     (double)p->elapsed_ms / 1000, "cpu_seconds", (double)p->cpu_us / 1e6, "error",
+                     p->error, "interval", interval);
+}
+
+static json_t *forecast_json(const struct server *s, const struct job *j)
+{
+    const struct forecast f = forecast_of(j);
+    if (!(f.samples > 0))
+        return json_null();
+    const double speed = j->row.state == JOB_RUNNING ? speed_of(j, s->now_ms) : 0;
+    const double bounds[] = {f.samples, f.low, f.high};
+    static const char *const names[] = {"", "_low", "_high"};
+    json_t *root = json_pack("{s:f}", "slope", f.slope);
+    for (size_t i = 0; i < countof(bounds); i++) {
+        char name[24];
+        const double left = bounds[i] - (double)j->row.samples;
+        snprintf(name, sizeof name, "samples%s", names[i]);
+        json_object_set_new(root, name, json_real(bounds[i]));
+        snprintf(name, sizeof name, "seconds_left%s", names[i]);
+        json_object_set_new(root, name, number_or_null(speed > 0, left > 0 ? left / speed : 0));
+    }
+    return root;
+}
+
+json_t *status_curve(const struct server *s, const struct job *j, const struct convergence *c)
+{
+    json_t *points = json_array();
+    for (size_t i = 0; i < c->count; i++)
+        json_array_append_new(points, point_json(&c->points[i]));
+    return json_pack("{s:I, s:o, s:o, s:o}", "pixels", (json_int_t)j->pixels, "points", points,
+                     "target", target_json(&j->row.target), "forecast", forecast_json(s, j));
 }

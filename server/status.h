@@ -7,6 +7,8 @@
 
 struct json_t;
 
-struct json_t *status_job(const struct server *, const struct job *); /* the caller owns it */
+/* The caller owns what is returned. */
+struct json_t *status_job(const struct server *, const struct job *);
+struct json_t *status_curve(const struct server *, const struct job *, const struct convergence *);
 
 #endif

@@ -29,17 +29,48 @@ static const char *const steps[] = {
     " reason TEXT NOT NULL, in_pass INTEGER NOT NULL, in_tile INTEGER NOT NULL,"
     " has_pass INTEGER NOT NULL) STRICT",
     "ALTER TABLE job ADD COLUMN layers INTEGER NOT NULL DEFAULT 0",
+    "CREATE TABLE point ("
+    " job INTEGER NOT NULL REFERENCES job(number), samples INTEGER NOT NULL, spp INTEGER NOT NULL,"
+    " elapsed_ms INTEGER NOT NULL, cpu_us INTEGER NOT NULL, error REAL NOT NULL,"
+    " PRIMARY KEY (job, samples)) STRICT, WITHOUT ROWID",
+    /* Tiles are whole blocks from here on. */
+    "ALTER TABLE job ADD COLUMN error_low REAL NOT NULL DEFAULT -1;"
+    "ALTER TABLE job ADD COLUMN error_high REAL NOT NULL DEFAULT -1;"
+    "ALTER TABLE job ADD COLUMN unknown REAL NOT NULL DEFAULT -1;"
+    "ALTER TABLE job ADD COLUMN heavy REAL NOT NULL DEFAULT -1;"
+    "ALTER TABLE job ADD COLUMN energy REAL NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN clamped REAL NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN cut REAL NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN camera_rays INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN bounce_rays INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN shadow_rays INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN plain_vertices INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN other_vertices INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN degenerate INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN nonfinite INTEGER NOT NULL DEFAULT 0;"
+    "UPDATE job SET tile_px = (tile_px + 7) / 8 * 8",
+    "ALTER TABLE job ADD COLUMN units INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE point ADD COLUMN error_low REAL NOT NULL DEFAULT -1;"
+    "ALTER TABLE point ADD COLUMN error_high REAL NOT NULL DEFAULT -1;"
+    "ALTER TABLE point ADD COLUMN units INTEGER NOT NULL DEFAULT 0",
+    "ALTER TABLE job ADD COLUMN warnings TEXT NOT NULL DEFAULT ''",
+    "ALTER TABLE job ADD COLUMN method INTEGER NOT NULL DEFAULT 0",
+    "ALTER TABLE job ADD COLUMN stratified INTEGER NOT NULL DEFAULT 0",
 };
 
 #define NAMES                                                                                      \
     "id, document, title, state, priority, width, height, tile_px, x_begin, y_begin, x_end, "      \
     "y_end, target_error, target_spp, target_seconds, settled, created, started, finished, "       \
     "elapsed_ms, samples, passes, spp, error, cpu_us, granted, expired, returned, duplicates, "    \
-    "invalid, image, digest, checkpoint, reason, in_pass, in_tile, has_pass, layers, keys"
+    "invalid, image, digest, checkpoint, reason, in_pass, in_tile, has_pass, layers, "             \
+    "error_low, error_high, unknown, heavy, energy, clamped, cut, camera_rays, bounce_rays, "      \
+    "shadow_rays, plain_vertices, other_vertices, units, degenerate, nonfinite, "                  \
+    "warnings, method, stratified, keys"
 #define MARKS                                                                                      \
     "?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, "  \
     "?21, ?22, ?23, ?24, ?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, ?33, ?34, ?35, ?36, ?37, ?38, "   \
-    "?39"
+    "?39, ?40, ?41, ?42, ?43, ?44, ?45, ?46, ?47, ?48, ?49, ?50, ?51, ?52, ?53, ?54, ?55, ?56, "   \
+    "?57"
 
 enum column_kind { COLUMN_INT, COLUMN_REAL, COLUMN_TEXT };
 
@@ -90,6 +121,24 @@ static const struct column {
     AT(COLUMN_INT, failure.tile),
     AT(COLUMN_INT, failure.has_pass),
     AT(COLUMN_INT, layers),
+    AT(COLUMN_REAL, report.error_low),
+    AT(COLUMN_REAL, report.error_high),
+    AT(COLUMN_REAL, report.unknown),
+    AT(COLUMN_REAL, report.heavy),
+    AT(COLUMN_REAL, report.energy),
+    AT(COLUMN_REAL, report.clamped),
+    AT(COLUMN_REAL, report.cut),
+    AT(COLUMN_INT, report.work.camera_rays),
+    AT(COLUMN_INT, report.work.bounce_rays),
+    AT(COLUMN_INT, report.work.shadow_rays),
+    AT(COLUMN_INT, report.work.plain_vertices),
+    AT(COLUMN_INT, report.work.other_vertices),
+    AT(COLUMN_INT, report.work.units),
+    AT(COLUMN_INT, report.dropped.degenerate),
+    AT(COLUMN_INT, report.dropped.nonfinite),
+    AT(COLUMN_TEXT, warnings),
+    AT(COLUMN_INT, method),
+    AT(COLUMN_INT, stratified),
 #undef AT
 };
 
@@ -265,9 +314,9 @@ static bool row_is_sane(const struct store_job *j)
     return j->id && (unsigned)j->state <= JOB_CANCELLED && hash_is_hex(j->document) &&
            j->width_px && j->width_px <= SCENE_MAX_SIDE_PX && j->height_px &&
            j->height_px <= SCENE_MAX_SIDE_PX && c.x_begin < c.x_end && c.x_end <= j->width_px &&
-           c.y_begin < c.y_end && c.y_end <= j->height_px && j->tile_px >= TILE_MIN_PX &&
-           j->tile_px <= TILE_MAX_PX && j->target.spp >= 1 && j->target.spp <= SCENE_MAX_SPP &&
-           layers_are_known(j->layers);
+           c.y_begin < c.y_end && c.y_end <= j->height_px && tile_px_is_sane(j->tile_px) &&
+           j->target.spp >= 1 && j->target.spp <= SCENE_MAX_SPP && layers_are_known(j->layers) &&
+           j->method < STORE_METHOD_PLANNED + PLAN_REAL;
 }
 
 static bool read_row(sqlite3_stmt *q, struct store_job *job, struct err *err)
@@ -318,6 +367,72 @@ bool store_jobs(struct store *s, void (*each)(void *context, const struct store_
         if (ok)
             each(context, &job);
     }
+    sqlite3_finalize(q);
+    return ok;
+}
+
+/* ---- points ---- */
+
+bool store_point_add(struct store *s, uint64_t number, const struct store_point *p, struct err *err)
+{
+    sqlite3_stmt *forget = NULL, *q = NULL;
+    bool ok = run(s, "BEGIN IMMEDIATE", err);
+    if (!ok)
+        return false;
+    ok = prepare(s, "DELETE FROM point WHERE job = ?1 AND samples >= ?2", &forget, err) &&
+         prepare(
+             s,
+             "INSERT INTO point (job, samples, spp, elapsed_ms, cpu_us, units, error, error_low, "
+             "error_high) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)",
+             &q, err);
+    if (ok) {
+        const int64_t numbers[] = {(int64_t)number, (int64_t)p->samples, p->spp,
+                                   p->elapsed_ms,   (int64_t)p->cpu_us,  (int64_t)p->units};
+        const double errors[] = {p->error, p->error_low, p->error_high};
+        for (int i = 0; i < 2; i++)
+            sqlite3_bind_int64(forget, i + 1, numbers[i]);
+        for (int i = 0; i < 6; i++)
+            sqlite3_bind_int64(q, i + 1, numbers[i]);
+        for (int i = 0; i < 3; i++)
+            sqlite3_bind_double(q, i + 7, errors[i]);
+        ok = (sqlite3_step(forget) == SQLITE_DONE && sqlite3_step(q) == SQLITE_DONE) ||
+             failed(s, err);
+    }
+    sqlite3_finalize(forget);
+    sqlite3_finalize(q);
+    if (ok && run(s, "COMMIT", err))
+        return true;
+    sqlite3_exec(s->db, "ROLLBACK", NULL, NULL, NULL);
+    return false;
+}
+
+bool store_points(struct store *s, uint64_t number,
+                  void (*each)(void *context, const struct store_point *), void *context,
+                  struct err *err)
+{
+    sqlite3_stmt *q = NULL;
+    if (!prepare(s,
+                 "SELECT samples, spp, elapsed_ms, cpu_us, units, error, error_low, error_high "
+                 "FROM point WHERE job = ?1 "
+                 "ORDER BY samples",
+                 &q, err))
+        return false;
+    sqlite3_bind_int64(q, 1, (int64_t)number);
+    int step;
+    while ((step = sqlite3_step(q)) == SQLITE_ROW) {
+        const struct store_point p = {
+            .samples = (uint64_t)sqlite3_column_int64(q, 0),
+            .spp = (uint32_t)sqlite3_column_int64(q, 1),
+            .elapsed_ms = sqlite3_column_int64(q, 2),
+            .cpu_us = (uint64_t)sqlite3_column_int64(q, 3),
+            .units = (uint64_t)sqlite3_column_int64(q, 4),
+            .error = sqlite3_column_double(q, 5),
+            .error_low = sqlite3_column_double(q, 6),
+            .error_high = sqlite3_column_double(q, 7),
+        };
+        each(context, &p);
+    }
+    const bool ok = step == SQLITE_DONE || failed(s, err);
     sqlite3_finalize(q);
     return ok;
 }

@@ -8,7 +8,10 @@
 
 #include "common/clock.h"
 #include "common/estimate.h"
+#include "common/stop.h"
 #include "server/image.h"
+#include "server/report.h"
+#include "server/status_report.h"
 
 enum { QUEUE = 64, PATIENCE_MS = 60000 };
 
@@ -28,27 +31,60 @@ static void target_text(const struct scene_target *t, char *out, size_t bytes)
     snprintf(out, bytes, "{\"error\": %s, \"spp\": %u, \"seconds\": %s}", error, t->spp, seconds);
 }
 
-static bool write_images(struct writer_task *t, const struct image *image)
+/* The job's plan, to be freed; "": it has none. */
+static char *plan_text(const struct writer_task *t)
+{
+    struct buf text = {0};
+    struct err err;
+    char path[DISK_PATH];
+    snprintf(path, sizeof path, "%s/plan.json", t->directory);
+    const bool good = t->snapshot.row.method >= STORE_METHOD_PLANNED &&
+                      buf_read_file(&text, path, PLAN_MAX_BYTES, &err);
+    if (!good)
+        text.size = 0;
+    buf_append(&text, "", 1);
+    return (char *)text.data;
+}
+
+static bool write_files(struct writer_task *t, const struct image *image, const char *report)
 {
     const struct store_job *row = &t->snapshot.row;
     char path[DISK_PATH], job[24], target[160];
     snprintf(job, sizeof job, "%016llx", (unsigned long long)row->id);
     target_text(&row->target, target, sizeof target);
+    char *plan = plan_text(t);
     const struct image_facts facts = {
         .job = job,
         .document = row->document,
         .target = target,
+        .plan = plan,
         .digest = t->digest,
+        .report = report,
         .error = t->error < 0 ? INFINITY : (float)t->error,
+        .error_low = row->report.error_low < 0 ? 0 : (float)row->report.error_low,
+        .error_high = row->report.error_low < 0 ? INFINITY : (float)row->report.error_high,
+        .unknown = (float)row->report.unknown,
+        .heavy = (float)row->report.heavy,
         .cpu_seconds = (float)((double)row->cpu_us / 1e6),
         .spp = row->spp_done,
     };
     snprintf(path, sizeof path, "%s/image.exr", t->directory);
-    if (!image_write_exr(image, &facts, t->parts & WRITER_FINAL ? IMAGE_ZIP : IMAGE_PLAIN, path,
-                         &t->err))
+    const bool good = image_write_exr(
+        image, &facts, t->parts & WRITER_FINAL ? IMAGE_ZIP : IMAGE_PLAIN, path, &t->err);
+    free(plan);
+    if (!good)
         return false;
     snprintf(path, sizeof path, "%s/preview.png", t->directory);
     return image_write_png(image, path, &t->err);
+}
+
+static bool write_images(struct writer_task *t, const struct image *image)
+{
+    const struct store_job *row = &t->snapshot.row;
+    char *report = status_report_text(row);
+    const bool ok = write_files(t, image, report);
+    free(report);
+    return ok;
 }
 
 void writer_run(struct writer_task *t)
@@ -64,6 +100,10 @@ void writer_run(struct writer_task *t)
     if (t->parts & (WRITER_ERROR | WRITER_IMAGE)) {
         const double e = estimate_error(film);
         t->error = isfinite(e) ? e : -1;
+        const double target = t->snapshot.row.target.error;
+        t->enough = target > 0 && stop_is_due(film, target);
+        t->snapshot.row.error = t->error;
+        t->snapshot.row.report = report_make(film);
     }
     if (t->ok && t->parts & WRITER_IMAGE) {
         struct arena arena = {0};

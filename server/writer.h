@@ -13,7 +13,7 @@
 
 enum writer_part {
     WRITER_FILM = 1,  /* the checkpoint */
-    WRITER_ERROR = 2, /* estimate_error */
+    WRITER_ERROR = 2, /* estimate_error, and the rest of the report */
     WRITER_IMAGE = 4, /* progressive EXR and PNG */
     WRITER_FINAL = 8, /* the image is the last one: compressed */
 };
@@ -28,7 +28,8 @@ struct writer_task {
     /* Filled by the writer. */
     bool ok; /* everything asked for is on disk */
     struct err err;
-    double error;          /* WRITER_ERROR and WRITER_IMAGE; < 0: unknown */
+    bool enough;            /* WRITER_ERROR: the error target is met (stop.h) */
+    double error; /* WRITER_ERROR and WRITER_IMAGE; < 0: unknown. With snapshot.row.report */
     char digest[HASH_HEX]; /* WRITER_IMAGE */
     int64_t took_ms;
 };

@@ -49,9 +49,9 @@ check_layers() {
     forbid 'client may include only client, common and common/trace' 'client/.*' "$include" \
         "$include(client|common|common/trace)/[^/]*\""
     forbid 'common may include only common' 'common/[^/]*' "$include" "$include""common/[^/]*\""
-    forbid 'common/trace may include only itself and common/{base,err,arena,vec,color,scene,tile,film,layers}.h' \
+    forbid 'common/trace may include only itself and common/{base,err,arena,vec,color,scene,tile,film,layers,plan}.h' \
         'common/trace/.*' "$include" \
-        "$include""common/(trace/[^/]*|base\.h|err\.h|arena\.h|vec\.h|color\.h|scene\.h|tile\.h|film\.h|layers\.h)\""
+        "$include""common/(trace/[^/]*|base\.h|err\.h|arena\.h|vec\.h|color\.h|scene\.h|tile\.h|film\.h|layers\.h|plan\.h)\""
 }
 
 check_libraries() {

@@ -66,7 +66,7 @@ def restart(t):
 
 def test(_, t):
     digest = the_file(t)
-    for workers, tile in ((3, 16), (2, 33)):
+    for workers, tile in ((3, 16), (2, 40)):
         with farm.Farm() as f:
             t.equal(render(f, workers, tile, document(**ALL))[0], digest,
                     f"{workers} workers, tiles of {tile} px: the same layers")

@@ -26,7 +26,7 @@ CONTRAST = """
             && [...node.childNodes].some((child) => child.nodeType === 3 && child.data.trim()))
         .map((node) => {
             const [a, b] = [luminance(parts(getComputedStyle(node).color)), luminance(opaque(node))];
-            return { text: node.innerText, ratio: (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05) };
+            return { text: node.innerText ?? node.textContent, ratio: (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05) };
         })
         .filter(({ text, ratio }) => text.trim() && !(ratio >= 4.5))
         .map(({ text, ratio }) => `${ratio.toFixed(2)}: ${text}`);
@@ -51,9 +51,9 @@ NAMED = """
 """
 
 
-# The Cornell box, small and with far more samples than the test waits for.
+# The Cornell box, small and with a far smaller error than the test waits for.
 FLAGS = ("--image-interval", "0.5", "--tile", "32")
-SCENE = farm.scene("cornell-box.json", 128, 128, spp=65536)
+SCENE = farm.scene("cornell-box.json", 128, 128, spp=65536, error=0.004)
 
 
 class Page:
@@ -83,6 +83,8 @@ class Page:
             self.b.size(width, 720, phone=True)
             needed = self.b.run("return document.documentElement.scrollWidth")
             self.t.ok(needed <= width, f"{view}: {width} px are wide enough", f"needs {needed} px")
+        self.wait("the curve, if any, to fit the screen",
+                  "!(document.querySelector('.curve')?.getAttribute('width') > innerWidth)")
         self.shot(f"{view}-phone")
         self.b.size(1200, 900)
         missing = self.b.run(NAMED)
@@ -91,7 +93,7 @@ class Page:
 
 def check_weight(f, t):
     weight = 0
-    for path in ("/", "/app.js", "/style.css"):
+    for path in ("/", "/app.js", "/curve.js", "/style.css"):
         reply = f.call("GET", path)
         weight += len(reply.body)
         policy = reply.headers.get("Content-Security-Policy", "")
@@ -129,7 +131,24 @@ def check_job(page, job):
     page.t.ok(True, "the worker is listed as active")
     href = b.run("return document.querySelector('.job a[download]').getAttribute('href')")
     page.t.equal(page.farm.call("GET", href).body[:4], b"\x76\x2f\x31\x01", "the link to the EXR gives an EXR")
+    check_curve(page, job)
     page.look("job")
+
+
+def check_curve(page, job):
+    """The live curve: a point for every judged round, the target, the forecast; said in words, too."""
+    page.wait("the curve", "document.querySelectorAll('.curve circle').length >= 4")
+    answer = page.farm.call("GET", f"/v1/jobs/{job}/convergence").json()
+    errors, samples = [[p[name] for p in answer["points"]] for name in ("error", "samples")]
+    page.t.ok(samples == sorted(set(samples)) and errors[-1] < errors[0], "the points are in order, the error falls",
+              str(answer["points"]))
+    words = page.b.text(".convergence [data-f='summary']")
+    page.t.ok("Error" in words and "target 0.40" in words and "comes first, at about" in words, "what it shows is said in words", words)
+    page.t.ok(page.b.run("return Boolean(document.querySelector('.curve .target') && document.querySelector('.curve .cone'))"),
+              "target and forecast are drawn")
+    grown = "document.querySelectorAll('.curve circle').length > arguments[0]"
+    page.wait("a new point", grown, len(errors))
+    page.t.ok(True, "the curve grows while one looks")
 
 
 def check_pause(page, job):

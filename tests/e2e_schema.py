@@ -29,11 +29,14 @@ BEYOND_A_SCHEMA = {
     "cylinder-world-short": "two points and a transform",
     "cylinder-world-thin": "a radius and a transform",
     "disc-ellipse": "geometry of a transform",
+    "emission-texture-mask": "a shape against its material",
+    "emission-texture-unknown": "a name against names",
     "film-crop-empty": "begin against end",
     "film-crop-outside": "window against film",
     "film-crop-swapped": "begin against end",
     "film-pixels": "width times height",
     "mesh-index-high": "index against the count of vertices",
+    "mesh-uvs-count": "a count against the count of vertices",
     "mesh-world-huge": "a point and a transform",
     "net-mesh-file": "the schema is also for documents on disk",
     "net-environment-file": "the schema is also for documents on disk",
@@ -43,6 +46,10 @@ BEYOND_A_SCHEMA = {
     "quad-in-a-line": "geometry of corners",
     "quad-not-planar": "geometry of corners",
     "quad-repeated-corner": "geometry of corners",
+    "relief-checker": "a name's texture",
+    "relief-of-a-part": "a name's material",
+    "relief-srgb": "a name's texture",
+    "relief-unknown": "a name against names",
     "shape-material-dangling": "a name against names",
     "shape-material-unknown": "a name against names",
     "light-environment-mirrored": "geometry of a transform",
@@ -109,6 +116,15 @@ def main():
     for path in examples:
         fault = next(validator.iter_errors(load(path)), None)
         ok(fault is None, "%s is valid by the schema" % os.path.basename(path))
+        if fault is not None:
+            print("#", list(fault.absolute_path), fault.message[:200])
+
+    sys.path.insert(0, os.path.join(ROOT, "docs/gallery"))
+    from make import document_of
+    from pictures import SECTIONS
+    for picture in (p for section in SECTIONS for p in section.pictures):
+        fault = next(validator.iter_errors(document_of(picture)), None)
+        ok(fault is None, "the gallery's %s is valid by the schema" % picture.name)
         if fault is not None:
             print("#", list(fault.absolute_path), fault.message[:200])
 

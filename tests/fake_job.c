@@ -33,11 +33,26 @@ struct job *fake_job_open(uint32_t width_px, uint32_t height_px, struct scene_ta
     return j;
 }
 
+/* As if all samples of a replicate had its mean. */
+static void add_evidence(struct film_samples *s, uint32_t x, uint32_t y, const float *sums)
+{
+    struct block *b = &s->blocks[(y - s->rect.y_begin) / BLOCK_PX * block_columns(s->rect) +
+                                 (x - s->rect.x_begin) / BLOCK_PX];
+    for (uint32_t r = 0; r < FILM_REPLICATES; r++) {
+        const uint32_t n =
+            film_replicate_spp(s->pass.s_end, r) - film_replicate_spp(s->pass.s_begin, r);
+        const float *sum = sums + 3 * r;
+        for (uint32_t i = 0; i < n; i++)
+            block_add(b, rgb_luminance((rgb){sum[0], sum[1], sum[2], 0} / (float)n));
+    }
+    b->met += s->pass.s_end - s->pass.s_begin;
+}
+
 void fake_job_fill(struct film_samples *s, float noise)
 {
     float *sum = s->sums;
     for (uint32_t y = s->rect.y_begin; y < s->rect.y_end; y++)
-        for (uint32_t x = s->rect.x_begin; x < s->rect.x_end; x++)
+        for (uint32_t x = s->rect.x_begin; x < s->rect.x_end; x++) {
             for (uint32_t r = 0; r < FILM_REPLICATES; r++)
                 for (uint32_t c = 0; c < 3; c++) {
                     const float n = (float)(film_replicate_spp(s->pass.s_end, r) -
@@ -47,6 +62,8 @@ void fake_job_fill(struct film_samples *s, float noise)
                         (float)((x + y * 3 + r * 17 + s->pass.s_end * 29) % 19) / 19;
                     *sum++ = n * (level + noise * wobble);
                 }
+            add_evidence(s, x, y, sum - FILM_CHANNELS);
+        }
 }
 
 struct wire_samples fake_job_payload(const struct job *j, uint32_t tile, uint32_t pass, float noise,

@@ -101,8 +101,8 @@ MUTANTS = [
          ("path8.c", "p->throughput = vec8_over(p->throughput, q);",
           "p->throughput = vec8_over(p->throughput, q * q);")], "roulette"),
     bug("depth off by one",
-        [("wave.c", "w->bounce + 1 < w->stage->settings.max_bounces",
-          "w->bounce < w->stage->settings.max_bounces")], "truth"),
+        [("wave.c", "w->bounce + 1 < w->max_bounces",
+          "w->bounce < w->max_bounces")], "truth"),
 
     # --- geometry ---
     bug("offset on the wrong side",

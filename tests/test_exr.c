@@ -42,6 +42,7 @@ static bool write_image(const struct image *image, enum image_packing packing, s
     const struct image_facts facts = {.job = "5f0c9b1e8a7d6c34",
                                       .document = hex,
                                       .target = "{}",
+                                      .report = "{}",
                                       .digest = hex,
                                       .error = INFINITY,
                                       .spp = 5};

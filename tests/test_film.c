@@ -148,6 +148,57 @@ static void invalid_keys_do_not_depend_on_order(void)
     arena_release(&arena);
 }
 
+/* Blocks of noise, by pixel and sample; tiles of any size must add them up to the same bits. */
+static void merge_noise(struct film *f, uint32_t tile_px, bool backwards)
+{
+    struct arena arena = {0};
+    const struct tile_grid g = tile_grid_make(f->window, tile_px);
+    film_init(f, f->window);
+    for (uint32_t p = 0; p < tile_pass_count(64); p++)
+        for (uint32_t n = 0; n < tile_count(&g); n++) {
+            const uint32_t t = backwards ? tile_count(&g) - 1 - n : n;
+            const struct tile_rect r = tile_rect_of(&g, t);
+            struct film_samples s = film_samples_make(r, tile_pass_of(p, 64), &arena);
+            for (uint32_t y = r.y_begin; y < r.y_end; y++)
+                for (uint32_t x = r.x_begin; x < r.x_end; x++)
+                    for (uint32_t i = s.pass.s_begin; i < s.pass.s_end; i++)
+                        block_add(
+                            &s.blocks[(y - r.y_begin) / BLOCK_PX * block_columns(r) +
+                                      (x - r.x_begin) / BLOCK_PX],
+                            (float)((x * 73856093u ^ y * 19349663u ^ i * 83492791u) % 100003) / 97);
+            film_merge(f, &s);
+            arena_reset(&arena);
+        }
+    arena_release(&arena);
+}
+
+static bool blocks_equal(const struct film *a, const struct film *b)
+{
+    const size_t n = block_count(a->window);
+    return !memcmp(a->blocks, b->blocks, n * sizeof *a->blocks) &&
+           !memcmp(a->variance, b->variance, n * BLOCK_DOUBLINGS * sizeof *a->variance);
+}
+
+static void blocks_do_not_depend_on_tiles(void)
+{
+    struct film want = {.window = {5, 3, 5 + 77, 3 + 50}};
+    merge_noise(&want, 64, false);
+    static const uint32_t sides[] = {8, 16, 24, 40, 256};
+    for (size_t i = 0; i < countof(sides); i++) {
+        struct film f = {.window = want.window};
+        merge_noise(&f, sides[i], i % 2);
+        ok(blocks_equal(&f, &want), "tiles of %u px: the same blocks", sides[i]);
+        film_release(&f);
+    }
+    const float *v = want.variance;
+    ok(v[3] > 0 && v[0] > 0 && v[3] != v[2], "four doublings of 8 leave four variances");
+    struct film copy;
+    film_copy(&copy, &want);
+    ok(blocks_equal(&copy, &want), "a copy has them, too");
+    film_release(&copy);
+    film_release(&want);
+}
+
 static void digest_sees_every_pixel(void)
 {
     struct arena arena = {0};
@@ -167,6 +218,11 @@ static void digest_sees_every_pixel(void)
     for (size_t c = 1; c < image.channel_count; c++)
         sorted &= strcmp(image.channels[c - 1].name, image.channels[c].name) < 0;
     ok(sorted && !image_find(&image, "Z"), "channels are sorted by name");
+    image_digest(&image, a);
+    ((float *)image_find(&image, "error.neff")->pixels)[0] += 1;
+    ((uint32_t *)image_find(&image, "error.verdict")->pixels)[1] ^= 1;
+    image_digest(&image, b);
+    ok(!strcmp(a, b), "what is thought of the samples does not change it");
     film_release(&f);
     arena_release(&arena);
 }
@@ -181,6 +237,7 @@ int main(void)
     long_sums_keep_their_mean(.5);
     long_sums_keep_their_mean(.3);
     invalid_keys_do_not_depend_on_order();
+    blocks_do_not_depend_on_tiles();
     digest_sees_every_pixel();
     return tap_done();
 }

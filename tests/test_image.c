@@ -23,6 +23,11 @@ static const struct image_facts facts = {
     .document = "d0c",
     .target = "{\"spp\": 8}",
     .digest = "d1gest",
+    .report = "{\"error\": {}}",
+    .error_low = .0625f,
+    .error_high = .25f,
+    .unknown = .5f,
+    .heavy = .25f,
     .error = .125f,
     .cpu_seconds = 2.5f,
     .spp = 8,
@@ -177,6 +182,13 @@ static void attributes(void)
            !exr_attr_get_float(f, 0, "smalti.cpuSeconds", &cpu) && cpu == 2.5f &&
            !exr_attr_get_int(f, 0, "smalti.spp", &spp) && spp == 8,
        "so are error, CPU seconds and samples");
+    float low = 0, high = 0, untrusted = 0, heavy = 0;
+    ok(!exr_attr_get_float(f, 0, "smalti.errorLow", &low) && low == .0625f &&
+           !exr_attr_get_float(f, 0, "smalti.errorHigh", &high) && high == .25f &&
+           !exr_attr_get_float(f, 0, "smalti.untrusted", &untrusted) && untrusted == .75f &&
+           !exr_attr_get_float(f, 0, "smalti.heavyTail", &heavy) && heavy == .25f &&
+           !exr_attr_get_string(f, 0, "smalti.report", &n, &text) && !strcmp(text, facts.report),
+       "so are the error's interval, what is not trusted, and the report");
     exr_finish(&f);
     arena_release(&arena);
 }

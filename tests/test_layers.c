@@ -237,7 +237,7 @@ static void empty(void)
     bool sorted = true;
     for (size_t c = 1; c < x.image.channel_count; c++)
         sorted &= strcmp(x.image.channels[c - 1].name, x.image.channels[c].name) < 0;
-    ok(sorted && x.image.channel_count == 8 + 11 + 27, "all %zu channels are sorted by name",
+    ok(sorted && x.image.channel_count == 10 + 11 + 27, "all %zu channels are sorted by name",
        x.image.channel_count);
     hide(&x);
     scenes_release(&s);

@@ -97,6 +97,13 @@ static struct link_event wait_for(struct link *l)
     "{\"lease\": \"00a1b2c300000007\", \"job\": \"5f0c9b1e8a7d6c34\", \"document\": \"" DOCUMENT   \
     "\", \"tile\": 12, \"rect\": " rect ", \"pass\": 3, \"samples\": " samples                     \
     ", \"ttl_ms\": 30000}"
+#define METHOD_LEASE(method)                                                                       \
+    "{\"lease\": \"00a1b2c300000007\", \"job\": \"5f0c9b1e8a7d6c34\", \"document\": \"" DOCUMENT   \
+    "\", \"tile\": 12, \"rect\": [0, 0, 8, 8], \"pass\": 3, \"samples\": [0, 8], "                 \
+    "\"method\": " method ", \"ttl_ms\": 30000}"
+#define PLAN_LEASE                                                                                 \
+    "{\"lease\": \"00a1b2c300000008\", \"job\": \"5f0c9b1e8a7d6c34\", \"document\": \"" DOCUMENT   \
+    "\", \"plan\": true, \"ttl_ms\": 30000}"
 #define GOOD_LEASE LEASE("[256, 64, 320, 128]", "[32, 64]")
 
 static void good_answers(struct canned *c, struct link *l)
@@ -141,6 +148,28 @@ static void good_answers(struct canned *c, struct link *l)
        "a lease is handed back, whatever the reason's bytes");
 }
 
+static void plans(struct canned *c, struct link *l)
+{
+    set_answer(c, "200 OK",
+               "{\"leases\": [" PLAN_LEASE ", " GOOD_LEASE
+               ", " METHOD_LEASE("{\"integrator\": \"path\", \"strategy\": \"bsdf\"}") "]}");
+    link_ask(l, 3, 0);
+    struct link_event e = wait_for(l);
+    ok(e.lease_count == 3 && e.leases[0].plan && !strcmp(e.leases[0].document, DOCUMENT) &&
+           !e.leases[1].plan && e.leases[1].method == PLAN_REAL,
+       "a lease may be for a plan, and a pass without a method is of the document's");
+    ok(e.leases[2].method == PLAN_PATH_BSDF, "a pass of a planned job says its method");
+    unsigned char text[] = "{}";
+    const struct buf plan = {.data = text, .size = 2};
+    set_answer(c, "200 OK", "{\"result\": \"planned\", \"leases\": []}");
+    link_deliver_plan(l, "00a1b2c300000008", &plan, 2);
+    e = wait_for(l);
+    ok(e.kind == LINK_DELIVER && !strcmp(e.result, "planned") &&
+           was_sent(c, "PUT /v1/leases/00a1b2c300000008/plan?worker=w-1&want=2 HTTP/1.1\r\n") &&
+           was_sent(c, "Content-Type: application/json\r\n"),
+       "a plan is delivered as JSON");
+}
+
 static void hostile_answers(struct canned *c, struct link *l)
 {
     static const struct {
@@ -158,6 +187,9 @@ static void hostile_answers(struct canned *c, struct link *l)
         {"{\"leases\": [" LEASE("[0, 0, 8, 8]", "[8, 8]") "]}", "a pass without samples"},
         {"{\"leases\": [" LEASE("[0, 0, 8, 8]", "[0, 16777217]") "]}", "samples beyond the limit"},
         {"{\"leases\": [" LEASE("[0, 0, 8, 8]", "[0, 8.5]") "]}", "half a sample"},
+        {"{\"leases\": [" METHOD_LEASE("{\"integrator\": \"auto\", \"strategy\": \"mis\"}") "]}",
+         "a method that is none"},
+        {"{\"leases\": [" METHOD_LEASE("\"path\"") "]}", "a method that is a word"},
         {"{\"leases\": [{\"lease\": \"../../../etc/pass\"}]}", "an id that is none"},
     };
     for (size_t i = 0; i < countof(cases); i++) {
@@ -220,6 +252,7 @@ int main(void)
     open_canned(&canned, &thread);
     struct link *l = link_new(canned.url, "w-1", 2, &err);
     good_answers(&canned, l);
+    plans(&canned, l);
     hostile_answers(&canned, l);
     refusals(&canned, l);
     back_off(&canned, l);

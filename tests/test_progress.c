@@ -30,6 +30,13 @@ static void texts(void)
     job.rate = 73400;
     job.eta_seconds = 7384;
     says(&job, " 43 %  110 spp  error 0.0412  73.4 ksamples/s  1 worker  2:03:04 left");
+    struct remote_job judged = job;
+    judged.error_low = .0398;
+    judged.error_high = .0431;
+    judged.untrusted = .0125;
+    judged.rate = -1;
+    says(&judged, " 43 %  110 spp  error 0.0412 (0.0398 to 0.0431)  1.2 % untrusted  1 worker  "
+                  "2:03:04 left");
     job.progress = 0.99999;
     job.eta_seconds = 1e30;
     says(&job, " 99 %  110 spp  error 0.0412  73.4 ksamples/s  1 worker  27777:46:40 left");

@@ -66,7 +66,7 @@ static void defaults(void)
        "filter defaults to a box of one pixel");
     ok(scene.settings.integrator == INTEGRATOR_PATH && scene.settings.strategy == STRATEGY_MIS &&
            scene.settings.sampler == SAMPLER_SOBOL && scene.settings.max_bounces == 64 &&
-           scene.settings.seed == 0,
+           scene.settings.clamp == 0 && scene.settings.seed == 0,
        "settings default to path, mis, sobol, 64 bounces, seed 0");
     ok(scene.settings.target.spp == 64 && scene.settings.target.error == 0 &&
            scene.settings.target.seconds == 0,
@@ -91,7 +91,8 @@ static void film_and_settings(void)
     ok(parse("{\"smalti\": 1.0, \"title\": \"B\\u00f6x\", \"film\": {\"width\": 640.0, "
              "\"height\": 4.8e2, \"filter\": {\"type\": \"tent\"}, \"crop\": [10, 20, 30, "
              "40]}, " CAMERA ", \"materials\": {}, \"shapes\": [], \"settings\": {\"integrator\": "
-             "\"path\", \"max_bounces\": 0, \"seed\": 9007199254740991, \"target\": {\"error\": "
+             "\"path\", \"max_bounces\": 0, \"clamp\": 10.5, \"seed\": 9007199254740991, "
+             "\"target\": {\"error\": "
              "0.02, \"seconds\": 60}}}"),
        "whole numbers may be written as 640.0 and 4.8e2");
     ok(!strcmp(scene.title, "B\xc3\xb6x"), "title is UTF-8");
@@ -102,6 +103,7 @@ static void film_and_settings(void)
            scene.film.crop_x_end == 30 && scene.film.crop_y_end == 40,
        "crop is x_begin, y_begin, x_end, y_end");
     ok(scene.film.layers == 0, "no layers are made unless asked for");
+    ok(scene.settings.clamp == 10.5f, "a clamp is read");
     ok(scene.settings.max_bounces == 0 && scene.settings.seed == 9007199254740991u,
        "bounces and seed reach the ends of their ranges");
     ok(scene.settings.target.error == .02 && scene.settings.target.seconds == 60 &&

@@ -90,11 +90,33 @@ static void takes_leaves(void)
        "what a leaf reflects and lets through is not added up where a texture drives it");
 }
 
+static void reads_reliefs(void)
+{
+    ok(parse("\"n\": {\"type\": \"image\", \"file\": \"n.png\", \"color_space\": \"linear\"}, "
+             "\"h\": {\"type\": \"image\", \"file\": \"h.png\"}",
+             "\"plain\": {\"type\": \"mirror\"}, "
+             "\"brick\": {\"type\": \"diffuse\", \"albedo\": 0.5, \"normal_map\": {\"texture\": "
+             "\"n\", \"scale\": 2}}, "
+             "\"hammered\": {\"type\": \"mask\", \"material\": \"plain\", \"opacity\": 0.5, "
+             "\"bump\": {\"texture\": \"h\", \"scale\": -0.5, \"channel\": \"b\"}}"),
+       "reliefs are read");
+    const struct material *m = scene.materials;
+    const struct material_relief *r = scene.reliefs;
+    ok(scene.relief_count == 2 && m[0].relief == 0 && m[1].relief == 1 && m[2].relief == 2 &&
+           m[0].needs == 0 && m[1].needs == MATERIAL_NEEDS_UV && m[2].needs == MATERIAL_NEEDS_UV,
+       "each is of its material, and wants uv");
+    ok(r[0].normal_map == 0 && r[0].strength == 2 && r[0].bump == SCENE_NO_TEXTURE &&
+           r[1].normal_map == SCENE_NO_TEXTURE && r[1].bump == 1 && r[1].height == -.5f &&
+           r[1].channel == MATERIAL_CHANNEL_B,
+       "a map, or a bump");
+}
+
 int main(void)
 {
     reads_images();
     drives_parameters();
     takes_leaves();
+    reads_reliefs();
     arena_release(&arena);
     return tap_done();
 }

@@ -155,6 +155,36 @@ static void expiries(void)
     job_free(j);
 }
 
+static void plans(void)
+{
+    struct job *j = fake_job_open(8, 8, (struct scene_target){.spp = 8});
+    j->row.method = STORE_METHOD_OPEN;
+    struct sched s = with(j);
+    struct sched_pick p;
+    ok(sched_next(&s, 7, 0, &p) == SCHED_PLAN && p.job == j,
+       "a job without a plan wants one first");
+    job_plan_granted(j, 1);
+    ok(sched_next(&s, 8, 0, &p) == SCHED_NOTHING && j->lease_count == 1,
+       "once, and nothing beside it");
+    j->lease_count--; /* as server_lease_end does */
+    ok(job_plan_failed(j, 7, "no room", 0), "one failure is not the end");
+    ok(sched_next(&s, 7, 10, &p) == SCHED_NOTHING, "who has failed does not get it again at once");
+    ok(sched_next(&s, 8, 10, &p) == SCHED_PLAN, "another worker does");
+    ok(sched_next(&s, 7, JOB_SHUN_MS, &p) == SCHED_PLAN, "after a while anyone may try");
+    int n = 0;
+    for (bool go = true; go && n < 100; n++) {
+        job_plan_granted(j, 2);
+        j->lease_count--;
+        go = job_plan_expired(j);
+    }
+    ok(n == JOB_MAX_EXPIRIES && !j->row.failure.has_pass && j->row.failure.reason[0],
+       "a plan that lapses %d times ends its job: %s", n, j->row.failure.reason);
+    job_plan_made(j, PLAN_PATH_BSDF);
+    ok(take(&s, 7, 0, &p) && p.tile == 0 && p.pass == 0, "with a plan there are passes");
+    sched_release(&s);
+    job_free(j);
+}
+
 static void error_rounds(void)
 {
     struct job *j = fake_job_open(16, 8, (struct scene_target){.spp = 4096, .error = .01});
@@ -294,6 +324,7 @@ int main(void)
     failures();
     one_worker_fails();
     expiries();
+    plans();
     error_rounds();
     seconds();
     seconds_too_few();

@@ -1,5 +1,5 @@
 /* F-27 and F-28: meshes with vertex normals have no hard terminator and no black rims, and let no
- * light through walls. SPDX-License-Identifier: MIT */
+ * light through walls; nor does any shape under a normal map. SPDX-License-Identifier: MIT */
 #include "common/trace/shading.h"
 
 #include <math.h>
@@ -9,6 +9,7 @@
 #include "tests/soup.h"
 #include "tests/stat/stat.h"
 #include "tests/tap.h"
+#include "tests/textures.h"
 
 /* --- the bent normal --- */
 
@@ -173,13 +174,43 @@ static uint32_t add_material(struct scenes *s, enum surface_kind kind)
     return scenes_diffuse(s, rgb_gray(1));
 }
 
-/* Under a sky of 1 each point of a ball is lit. */
-static void test_rims(enum surface_kind kind)
+static void map_normals(struct scenes *s, uint32_t material, double turn_rad)
 {
+    textures_relief(s, material)->normal_map = textures_index(s, textures_tilted(s, turn_rad));
+}
+
+/* Any, but such that each triangle has directions. */
+static void give_uvs(struct scenes *s, struct mesh *mesh)
+{
+    struct dice d = dice_make(3);
+    float *uvs = arena_new(&s->arena, float, 2 * (size_t)mesh->vertex_count);
+    for (size_t i = 0; i < 2 * (size_t)mesh->vertex_count; i++)
+        uvs[i] = dice_float(&d);
+    mesh->uvs = uvs;
+}
+
+enum tilt { BY_VERTICES, BY_MAP, BY_MAP_ON_SPHERE, TILTS };
+
+static const char *const tilt_names[] = {"normals", "a map's normals",
+                                         "a map's normals on a sphere"};
+
+/* Under a sky of 1 each point of a ball is lit. */
+static void test_rims(enum surface_kind kind, enum tilt tilt)
+{
+    const double turn = 3.14159265358979323846 / 3;
     struct scenes s;
     init_view(&s);
-    scenes_ball(&s, add_material(&s, kind), vec3_make(0, 0, 0), 1, 5, 0, false);
-    give_normals(&s, &s.scene.meshes[0], 3.14159265358979323846 / 3);
+    const uint32_t m = add_material(&s, kind);
+    if (tilt == BY_MAP_ON_SPHERE)
+        scenes_sphere(&s, m, vec3_make(0, 0, 0), 1);
+    else
+        scenes_ball(&s, m, vec3_make(0, 0, 0), 1, 5, 0, false);
+    if (tilt == BY_VERTICES)
+        give_normals(&s, &s.scene.meshes[0], turn);
+    else
+        map_normals(&s, m, turn);
+    if (tilt == BY_MAP)
+        give_uvs(&s, &s.scene.meshes[0]);
     scenes_sky(&s, rgb_gray(1));
     const struct stage *stage = scenes_stage(&s);
     const uint32_t spp = 16;
@@ -199,8 +230,8 @@ static void test_rims(enum surface_kind kind)
         sum += got;
     }
     ok(pixels > 2000 && black * 1000 <= pixels && most < 1.001,
-       "F-28: %s, normals turned by 60 degrees: %d of %d pixels black, mean %.3f, at most %.3f",
-       surface_names[kind], black, pixels, sum / pixels, most);
+       "F-28: %s, %s turned by 60 degrees: %d of %d pixels black, mean %.3f, at most %.3f",
+       surface_names[kind], tilt_names[tilt], black, pixels, sum / pixels, most);
     film_release(&film);
     scenes_release(&s);
 }
@@ -253,19 +284,53 @@ static void add_cube(struct scenes *s, uint32_t material, double turn_rad, bool 
 /* A closed mesh with any normals, its front inside or outside, all lights outside, the camera
  * inside. (In corners of a few degrees rays may start beyond the other wall, however flat the
  * shading.) */
-static double light_in_room(enum surface_kind kind, int i, uint32_t spp)
+static void add_room(struct scenes *s, uint32_t m, int i)
 {
     const double turn = 0.35 * (i % 5);
+    if (i % 3 == 0) {
+        add_cube(s, m, turn, i % 2);
+    } else {
+        scenes_ball(s, m, vec3_make(0, 0, 0), 1, i % 3 == 1 ? 4 : 16, 0.1f, i % 2);
+        give_normals(s, &s->scene.meshes[0], turn);
+    }
+}
+
+/* The same of quads, of a sphere, of a cylinder with two discs, of a mesh with vertex normals as
+ * well; the map turns normals by up to 80 degrees. */
+static void add_mapped_room(struct scenes *s, uint32_t m, int i)
+{
+    const vec3 o = vec3_make(0, 0, 0), lo = vec3_make(0, -1, 0), hi = vec3_make(0, 1, 0);
+    map_normals(s, m, 0.35 * (1 + i / 4));
+    switch (i % 4) {
+    case 0:
+        scenes_box(s, m, vec3_make(-1, -1, -1), vec3_make(1, 1, 1), i / 4 % 2);
+        break;
+    case 1:
+        scenes_sphere(s, m, o, 1);
+        break;
+    case 2:
+        scenes_cylinder(s, m, lo, hi, 1);
+        scenes_disc(s, m, lo, lo, 1);
+        scenes_disc(s, m, hi, hi, 1);
+        break;
+    case 3:
+        scenes_ball(s, m, o, 1, i / 4 % 2 ? 4 : 16, 0.1f, i / 8);
+        give_uvs(s, &s->scene.meshes[0]);
+        give_normals(s, &s->scene.meshes[0], 0.35 * (i / 4 % 3));
+        break;
+    }
+}
+
+static double light_in_room(enum surface_kind kind, bool mapped, int i, uint32_t spp)
+{
     struct scenes s;
     scenes_init(&s, 32, 32);
     scenes_look(&s, vec3_make(0.1f, 0, 0.2f), vec3_make(1, 0.2f * (float)i - 1, 0.3f), 2);
     const uint32_t m = add_material(&s, kind);
-    if (i % 3 == 0) {
-        add_cube(&s, m, turn, i % 2);
-    } else {
-        scenes_ball(&s, m, vec3_make(0, 0, 0), 1, i % 3 == 1 ? 4 : 16, 0.1f, i % 2);
-        give_normals(&s, &s.scene.meshes[0], turn);
-    }
+    if (mapped)
+        add_mapped_room(&s, m, i);
+    else
+        add_room(&s, m, i);
     add_lights(&s);
     struct film film;
     double light = 0;
@@ -277,15 +342,15 @@ static double light_in_room(enum surface_kind kind, int i, uint32_t spp)
     return light;
 }
 
-static void test_dark_room(enum surface_kind kind)
+static void test_dark_room(enum surface_kind kind, bool mapped)
 {
-    enum { ROOMS = 30 };
+    const int all = mapped ? 16 : 30, rooms = stat_is_long() ? all : all / 3;
     const uint32_t spp = stat_tries(6, 256);
     double light = 0;
-    for (int i = 0; i < ROOMS; i++)
-        light += light_in_room(kind, i, spp);
-    ok(light == 0, "F-28: %s: closed rooms are dark, exactly (%g of light in %d rooms, %u spp)",
-       surface_names[kind], light, ROOMS, spp);
+    for (int i = 0; i < rooms; i++) /* 7 has no divisor in common with 16 and 30 */
+        light += light_in_room(kind, mapped, 7 * i % all, spp);
+    ok(light == 0, "F-28: %s, %s: closed rooms are dark, exactly (%g of light in %d rooms, %u spp)",
+       surface_names[kind], tilt_names[mapped ? BY_MAP : BY_VERTICES], light, rooms, spp);
 }
 
 /* --- the same light, however it is found --- */
@@ -331,8 +396,10 @@ int main(void)
     test_bend();
     test_terminator();
     for (int kind = 0; kind < SURFACES; kind++) {
-        test_rims((enum surface_kind)kind);
-        test_dark_room((enum surface_kind)kind);
+        for (int tilt = 0; tilt < TILTS; tilt++)
+            test_rims((enum surface_kind)kind, (enum tilt)tilt);
+        test_dark_room((enum surface_kind)kind, false);
+        test_dark_room((enum surface_kind)kind, true);
     }
     for (int kind = GGX; kind < SURFACES; kind++)
         for (int i = 0; i < 3; i++)

@@ -1,6 +1,6 @@
-/* stat/special.h: every distribution against closed forms and printed tables.
+/* special.h: every distribution against closed forms and printed tables.
  * SPDX-License-Identifier: MIT */
-#include "tests/stat/special.h"
+#include "common/special.h"
 
 #include <math.h>
 

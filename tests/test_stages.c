@@ -18,7 +18,7 @@ static struct mailbox *done;
 
 static struct stages_entry *hold(struct stages *s, int n)
 {
-    struct stages_entry *e = stages_hold(s, shelf_document(n));
+    struct stages_entry *e = stages_hold(s, shelf_document(n), PLAN_REAL);
     if (e->loading)
         stages_loaded(s, mailbox_pop(done));
     return e;

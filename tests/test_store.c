@@ -15,6 +15,7 @@
 #include "server/asset.h"
 #include "server/checkpoint.h"
 #include "server/disk.h"
+#include "server/report.h"
 #include "tests/fake_job.h"
 #include "tests/tap.h"
 
@@ -48,6 +49,7 @@ static struct store_job full_row(void)
     row.id = 0xffffffffffffffff;
     row.crop = (struct tile_rect){10, 20, 110, 190};
     row.layers = LAYER_ALBEDO | 3 << 8;
+    row.method = STORE_METHOD_PLANNED + PLAN_PATH_BSDF;
     row.state = JOB_PAUSED;
     row.priority = -100;
     row.settled = true;
@@ -69,9 +71,12 @@ static struct store_job full_row(void)
     row.keys[0] = (struct film_key){1, 2, 3};
     row.keys[1] = (struct film_key){4, 5, 6};
     row.image_version = 11;
+    row.stratified = true;
+    row.report = (struct store_report){.1, .2, .3, .4, .5, .6, .7, {1, 2, 3, 4, 5, 6}, {6, 7}};
     hash_hex("x", 1, row.digest);
     row.checkpoint = 12;
     row.failure = (struct store_failure){.has_pass = true, .tile = 3, .pass = 2};
+    snprintf(row.warnings, STORE_WARNINGS, "[{\"pointer\":\"/a\"}]");
     snprintf(row.failure.reason, STORE_REASON, "a 'quoted' reason, \xc3\xa4");
     return row;
 }
@@ -82,12 +87,14 @@ static bool rows_equal(const struct store_job *a, const struct store_job *b)
            !strcmp(a->title, b->title) && a->state == b->state && a->priority == b->priority &&
            a->width_px == b->width_px && a->height_px == b->height_px && a->tile_px == b->tile_px &&
            !memcmp(&a->crop, &b->crop, sizeof a->crop) && a->layers == b->layers &&
-           a->target.error == b->target.error && a->target.spp == b->target.spp &&
-           a->target.seconds == b->target.seconds && a->settled == b->settled &&
+           a->method == b->method && a->target.error == b->target.error &&
+           a->target.spp == b->target.spp && a->target.seconds == b->target.seconds &&
+           a->settled == b->settled && a->stratified == b->stratified &&
            a->created_unix_ms == b->created_unix_ms && a->started_unix_ms == b->started_unix_ms &&
            a->finished_unix_ms == b->finished_unix_ms && a->elapsed_ms == b->elapsed_ms &&
            a->samples == b->samples && a->passes_done == b->passes_done &&
-           a->spp_done == b->spp_done && a->error == b->error && a->cpu_us == b->cpu_us &&
+           a->spp_done == b->spp_done && a->error == b->error &&
+           !memcmp(&a->report, &b->report, sizeof a->report) && a->cpu_us == b->cpu_us &&
            a->granted == b->granted && a->expired == b->expired && a->returned == b->returned &&
            a->duplicates == b->duplicates && a->invalid_count == b->invalid_count &&
            a->key_count == b->key_count &&
@@ -95,7 +102,7 @@ static bool rows_equal(const struct store_job *a, const struct store_job *b)
            a->image_version == b->image_version && !strcmp(a->digest, b->digest) &&
            a->checkpoint == b->checkpoint && !strcmp(a->failure.reason, b->failure.reason) &&
            a->failure.has_pass == b->failure.has_pass && a->failure.tile == b->failure.tile &&
-           a->failure.pass == b->failure.pass;
+           a->failure.pass == b->failure.pass && !strcmp(a->warnings, b->warnings);
 }
 
 static void rows(void)
@@ -123,7 +130,8 @@ static void rows(void)
     store_close(s);
 }
 
-/* A store as version 1 left it is taken over: its jobs have no layers. */
+/* A store as version 1 left it is taken over: its jobs have no layers, warnings or report, and
+ * tiles that are whole blocks from now on. */
 static void former_version(void)
 {
     struct err err = {.text = ""};
@@ -133,13 +141,38 @@ static void former_version(void)
     store_close(s);
     sqlite3 *db = NULL;
     ok(sqlite3_open(path_of("v1.db"), &db) == SQLITE_OK &&
-           sqlite3_exec(db, "ALTER TABLE job DROP COLUMN layers; PRAGMA user_version = 1", NULL,
-                        NULL, NULL) == SQLITE_OK,
+           sqlite3_exec(db,
+                        "ALTER TABLE job DROP COLUMN error_low;"
+                        "ALTER TABLE job DROP COLUMN error_high;"
+                        "ALTER TABLE job DROP COLUMN unknown;"
+                        "ALTER TABLE job DROP COLUMN heavy;"
+                        "ALTER TABLE job DROP COLUMN energy;"
+                        "ALTER TABLE job DROP COLUMN clamped;"
+                        "ALTER TABLE job DROP COLUMN cut;"
+                        "ALTER TABLE job DROP COLUMN camera_rays;"
+                        "ALTER TABLE job DROP COLUMN bounce_rays;"
+                        "ALTER TABLE job DROP COLUMN shadow_rays;"
+                        "ALTER TABLE job DROP COLUMN plain_vertices;"
+                        "ALTER TABLE job DROP COLUMN other_vertices;"
+                        "ALTER TABLE job DROP COLUMN units;"
+                        "ALTER TABLE job DROP COLUMN degenerate;"
+                        "ALTER TABLE job DROP COLUMN nonfinite;"
+                        "ALTER TABLE job DROP COLUMN warnings;"
+                        "ALTER TABLE job DROP COLUMN method;"
+                        "ALTER TABLE job DROP COLUMN stratified;"
+                        "DROP TABLE point; ALTER TABLE job DROP COLUMN layers; UPDATE job SET "
+                        "tile_px = 33; PRAGMA "
+                        "user_version = 1",
+                        NULL, NULL, NULL) == SQLITE_OK,
        "it becomes one of version 1");
     sqlite3_close(db);
     struct seen seen = {.count = 0};
     s = store_open(path_of("v1.db"), &err);
-    row.layers = 0;
+    row.layers = row.method = 0;
+    row.tile_px = 40;
+    row.report = report_none();
+    *row.warnings = '\0';
+    row.stratified = false;
     ok(s && store_jobs(s, note, &seen, &err) && seen.count == 1 && rows_equal(&seen.jobs[0], &row),
        "and is read by this one %s", err.text);
     store_close(s);

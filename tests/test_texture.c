@@ -1,4 +1,4 @@
-/* texture.c, prep_texture.c, half.h, srgb.h: what is kept of an image, and what is looked up.
+/* texture.c, prep_texture.c, half.h, color.h: what is kept of an image, and what is looked up.
  * SPDX-License-Identifier: MIT */
 #include "common/trace/texture.h"
 
@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "common/trace/half.h"
-#include "common/trace/srgb.h"
 #include "tests/dice.h"
 #include "tests/tap.h"
 #include "tests/textures.h"

@@ -23,8 +23,8 @@ static void tiles_cover_window_once(struct tile_rect w, uint32_t tile_px)
     for (size_t i = 0; i < (size_t)w.x_end * w.y_end; i++)
         covered += seen[i];
     free(seen);
-    ok(once && covered == tile_rect_pixels(w), "tiles of %u px cover [%u,%u)x[%u,%u) once",
-       tile_px, w.x_begin, w.x_end, w.y_begin, w.y_end);
+    ok(once && covered == tile_rect_pixels(w), "tiles of %u px cover [%u,%u)x[%u,%u) once", tile_px,
+       w.x_begin, w.x_end, w.y_begin, w.y_end);
 }
 
 static void passes_cover_samples_once(uint32_t spp)
@@ -41,12 +41,15 @@ static void passes_cover_samples_once(uint32_t spp)
 
 int main(void)
 {
+    ok(tile_px_is_sane(8) && tile_px_is_sane(24) && tile_px_is_sane(256) && !tile_px_is_sane(0) &&
+           !tile_px_is_sane(33) && !tile_px_is_sane(264) && !tile_px_is_sane(4),
+       "sides are multiples of 8, from 8 to 256");
     tiles_cover_window_once((struct tile_rect){0, 0, 1, 1}, 64);
     tiles_cover_window_once((struct tile_rect){0, 0, 100, 70}, 16);
     tiles_cover_window_once((struct tile_rect){13, 7, 200, 129}, 64);
     tiles_cover_window_once((struct tile_rect){0, 0, 256, 256}, 256);
 
-    static const uint32_t some[] = {1,   7,   8,   9,   16,  31,   32,   64,      255,
+    static const uint32_t some[] = {1,   7,   8,   9,   16,  31,   32,   64,     255,
                                     256, 257, 511, 512, 513, 1000, 4096, 1 << 24};
     for (size_t i = 0; i < countof(some); i++)
         passes_cover_samples_once(some[i]);

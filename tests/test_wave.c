@@ -48,14 +48,14 @@ static void look_at_light(struct alone *a, uint32_t bounce)
         return;
     const vec3 wi = warp_to_local(&a->frame, l.wi);
     rgb f = bsdf_eval(m, a->wo, wi);
-    if (rgb_is_black(f))
+    f *= l.value;
+    if (l.pdf_w != 0 && !rgb_is_black(f))
+        f *= power(l.pdf_w, bsdf_pdf_w(m, a->wo, wi) * path_trust(a->stage)->bsdf);
+    if (rgb_is_black(a->throughput * f))
         return;
     a->work.shadow_rays++;
     if (bvh_hit_any(a->stage, &l.shadow))
         return;
-    f *= l.value;
-    if (l.pdf_w != 0)
-        f *= power(l.pdf_w, bsdf_pdf_w(m, a->wo, wi));
     a->light += a->throughput * f;
 }
 
@@ -95,16 +95,18 @@ static bool arrive(struct alone *a, const struct ray *ray, bool first)
     a->at = surface_at(a->stage, ray, &hit);
     a->frame = warp_frame_make(a->at.ng);
     a->wo = warp_to_local(&a->frame, -ray->dir);
+    a->at.lit = path_lit(a->stage, material_of(a), a->wo[2]);
     if (a->at.emitter == STAGE_NONE || !(a->wo[2] > 0))
         return true;
     const struct emitter *e =
         (const struct emitter *)stage_at(a->stage, a->stage->emitters) + a->at.emitter;
     const rgb found = vec3_load(e->radiance);
-    if (first)
-        a->light += found;
-    else
-        a->light += a->throughput * found *
-                    (a->pdf_w == 0 ? 1 : power(a->pdf_w, light_pdf_w(a->stage, &from, &a->at)));
+    if (first || a->pdf_w == 0) {
+        a->light += first ? found : a->throughput * found;
+        return true;
+    }
+    const float chosen = light_pdf_w(a->stage, &from, &a->at) * path_trust(a->stage)->light;
+    a->light += a->throughput * found * power(a->pdf_w, chosen);
     return true;
 }
 
@@ -131,7 +133,37 @@ static rgb radiance_alone(const struct stage *s, struct ray ray, struct rng rng,
 
 /* --- whole paths --- */
 
-enum room { BARE, LAMPS, BALLS, ROUND_LAMP };
+enum room { BARE, LAMPS, BALLS, ROUND_LAMP, SHAPES, MANY, BSDF_ALONE, LIGHT_ALONE };
+
+/* Every kind of shape; materials that let light through, that have lobes, that have neither; lights
+ * of several kinds. */
+static void add_shapes(struct scenes *s)
+{
+    const struct material rough = {.kind = MATERIAL_DIELECTRIC,
+                                   .dielectric = {.ior = 1.4f, .alpha = .3f}},
+                          pane = {.kind = MATERIAL_PANE, .pane = {.ior = 1.5f}},
+                          plastic = {.kind = MATERIAL_PLASTIC,
+                                     .plastic = {vec3_make(.2f, .5f, .6f), 1.5f, .1f}},
+                          leaf = {.kind = MATERIAL_LEAF,
+                                  .leaf = {vec3_make(.3f, .4f, .1f), vec3_make(.2f, .5f, .1f)}};
+    const vec3 eta = vec3_make(.14f, .38f, 1.44f), k = vec3_make(3.98f, 2.39f, 1.6f);
+    const uint32_t white = scenes_diffuse(s, rgb_gray(.8f));
+    scenes_sphere(s, scenes_material(s, rough), vec3_make(.4f, .4f, .3f), .35f);
+    scenes_sphere(s, scenes_material(s, plastic), vec3_make(.5f, 1.2f, 1), .3f);
+    scenes_disc(s, scenes_material(s, leaf), vec3_make(-.4f, 1.2f, .4f), vec3_make(.6f, .8f, 0),
+                .4f);
+    scenes_disc(s, scenes_material(s, pane), vec3_make(0, .8f, 1.6f), vec3_make(0, 0, 1), .5f);
+    scenes_cylinder(s, scenes_metal(s, eta, k, .2f), vec3_make(-.8f, .2f, 1),
+                    vec3_make(-.7f, 1.2f, 1.2f), .15f);
+    scenes_cylinder(s, white, vec3_make(.8f, .2f, 1.4f), vec3_make(.8f, 1.5f, 1.8f), .1f)
+        ->emission = vec3_make(2, 1, .5f);
+    scenes_disc(s, white, vec3_make(-.5f, .6f, -.9f), vec3_make(0, 0, 1), .3f)->emission =
+        vec3_make(1, 2, 1);
+    struct light *point = scenes_light(s, LIGHT_POINT);
+    vec3_store(point->point.position, vec3_make(.1f, 1.5f, .6f));
+    point->point.intensity = vec3_make(.2f, .1f, .3f);
+    s->scene.shapes[2].material = scenes_material(s, plastic); /* a wall */
+}
 
 /* A box with coloured walls, one of them black, and a block that may be seen from inside. */
 static void build(struct scenes *s, enum room room)
@@ -157,6 +189,14 @@ static void build(struct scenes *s, enum room room)
         scenes_sphere(s, scenes_mirror(s, rgb_gray(.9f)), vec3_make(.3f, 1.2f, -.4f), .3f);
         s->scene.shapes[4].material = scenes_mirror(s, vec3_make(.5f, .8f, .6f));
     }
+    if (room >= SHAPES)
+        add_shapes(s);
+    if (room == MANY)
+        scenes_ball(s, white, vec3_make(0, 1.2f, 0), .25f, 12, .2f, false)->emission =
+            rgb_gray(.5f);
+    s->scene.settings.strategy = room == BSDF_ALONE    ? STRATEGY_BSDF
+                                 : room == LIGHT_ALONE ? STRATEGY_LIGHT
+                                                       : STRATEGY_MIS;
     if (room == ROUND_LAMP)
         scenes_sphere(s, white, vec3_make(.4f, 1.4f, .3f), .2f)->emission = vec3_make(1, 2, 6);
     scenes_sky(s, vec3_make(.2f, .3f, .5f));
@@ -181,7 +221,7 @@ struct lot { /* of paths that go through a wave together */
     struct ray rays[PATHS];
     struct rng rngs[PATHS];
     rgb radiance[PATHS];
-    int other, lit, plain, all;
+    int other, lit, plain, diffuse, all;
     struct film_work together, alone;
 };
 
@@ -201,6 +241,7 @@ static void go_together(struct lot *l, struct dice *d, uint32_t key)
         wave_begin(l->stage, l->which[n], rays, rngs, &starts);
         wave_put(&wave, l->which[n], &starts, rngs, n * WAVE_LANES);
         l->plain += __builtin_popcount(starts.plain);
+        l->diffuse += __builtin_popcount(starts.plain & starts.lanes.diffuse);
     }
     wave_finish(&wave);
     film_work_add(&l->together, &wave.work);
@@ -230,16 +271,23 @@ static void paths_are_the_same(enum room room, const char *name)
         go_together(&l, &d, n);
         compare(&l);
     }
-    ok(l.other == 0 && l.lit > l.all / 4 && l.plain > l.all / 4,
-       "%s: of %d paths in lanes %d differ from themselves alone (%d lit, %d begin in lanes)", name,
-       l.all, l.other, l.lit, l.plain);
+    const bool diffuse = room == BARE || room == LAMPS || room == ROUND_LAMP;
+    ok(l.other == 0 && l.lit > l.all / 4 && l.diffuse > l.all / 4 &&
+           (l.diffuse == l.plain) == diffuse,
+       "%s: of %d paths in lanes %d differ from themselves alone (%d lit, %d begin in lanes, %d of "
+       "these on diffuse surfaces)",
+       name, l.all, l.other, l.lit, l.plain, l.diffuse);
     ok(l.together.bounce_rays == l.alone.bounce_rays &&
            l.together.shadow_rays == l.alone.shadow_rays,
        "%s: %lu and %lu rays, %lu and %lu of paths alone", name,
        (unsigned long)l.together.bounce_rays, (unsigned long)l.together.shadow_rays,
        (unsigned long)l.alone.bounce_rays, (unsigned long)l.alone.shadow_rays);
-    ok(light8_can(l.stage) == (room != ROUND_LAMP), "%s: its lights are %s a table for lanes", name,
-       room == ROUND_LAMP ? "not in" : "in");
+    ok(light8_can(l.stage) == (room < ROUND_LAMP) &&
+           (l.stage->light_nodes.count > 0) == (room == MANY),
+       "%s: its lights are in a %s", name,
+       room == MANY        ? "tree"
+       : room < ROUND_LAMP ? "table for lanes"
+                           : "list");
     scenes_release(&s);
 }
 
@@ -285,6 +333,10 @@ int main(void)
     paths_are_the_same(LAMPS, "seven lamps");
     paths_are_the_same(BALLS, "glass and mirrors");
     paths_are_the_same(ROUND_LAMP, "a round lamp");
+    paths_are_the_same(SHAPES, "shapes and materials of many kinds");
+    paths_are_the_same(MANY, "many lamps");
+    paths_are_the_same(BSDF_ALONE, "light found by scattering alone");
+    paths_are_the_same(LIGHT_ALONE, "light found by looking alone");
     odd_numbers_are_rounded_alike();
     squares_are_bent_alike();
     return tap_done();

@@ -23,10 +23,26 @@ static struct wire_samples message(struct arena *arena, bool flat, uint32_t laye
     film_samples_note_invalid(&w.samples, (struct film_key){83, 41, 31});
     for (uint32_t i = 0; i < tile_rect_pixels(r) * FILM_CHANNELS; i++)
         w.samples.sums[i] = flat ? 0.25f : (float)(i * 2654435761u >> 8) * 0x1p-20f;
+    for (size_t i = 0; i < block_count(r); i++) {
+        struct block *b = &w.samples.blocks[i];
+        *b = (struct block){.clamped = 1.5, .cut = flat ? 0 : 2.5, .met = i};
+        for (uint32_t k = 0; k < 40; k++)
+            block_add(b, flat ? .25f : (float)((i + k) * 2654435761u % 1024));
+    }
+    w.samples.dropped = (struct film_dropped){3, 4};
+    w.samples.work = (struct film_work){1, 2, 3, 4, (uint64_t)5 << 32, (uint64_t)1 << 40};
     film_samples_add_layers(&w.samples, layers, arena);
     for (uint32_t i = 0; i < tile_rect_pixels(r) * layers_channels(layers); i++)
         w.samples.layer_sums[i] = (float)i - 100;
     return w;
+}
+
+/* Messages of older versions have none. */
+static bool same_evidence(const struct film_samples *s, const struct film_samples *t)
+{
+    return !t->blocks || (!memcmp(s->blocks, t->blocks, block_count(s->rect) * sizeof *s->blocks) &&
+                          !memcmp(&s->work, &t->work, sizeof s->work) &&
+                          !memcmp(&s->dropped, &t->dropped, sizeof s->dropped));
 }
 
 static bool same(const struct wire_samples *a, const struct wire_samples *b)
@@ -36,7 +52,7 @@ static bool same(const struct wire_samples *a, const struct wire_samples *b)
            a->cpu_us == b->cpu_us && !memcmp(&s->rect, &t->rect, sizeof s->rect) &&
            !memcmp(&s->pass, &t->pass, sizeof s->pass) && s->invalid_count == t->invalid_count &&
            s->key_count == t->key_count && !memcmp(s->keys, t->keys, sizeof s->keys) &&
-           s->layers == t->layers &&
+           s->layers == t->layers && same_evidence(s, t) &&
            !memcmp(s->sums, t->sums, tile_rect_pixels(s->rect) * FILM_CHANNELS * sizeof *s->sums) &&
            (!s->layers ||
             !memcmp(s->layer_sums, t->layer_sums,
@@ -53,10 +69,10 @@ static void round_trip(bool flat, uint32_t layers)
     const struct wire_samples w = message(&arena, flat, layers);
     struct wire_samples back;
     wire_encode(&w, &b);
-    ok(wire_decode(&back, b.data, b.size, &arena, &err) && same(&w, &back),
+    ok(wire_decode(&back, b.data, b.size, &arena, &err) && back.samples.blocks && same(&w, &back),
        "%s samples%s come back as they were", flat ? "flat" : "noisy",
        layers ? " with layers" : "");
-    const size_t raw = WIRE_HEADER_BYTES + WIRE_BODY_FIXED_BYTES + (layers ? 4 : 0) + 2 * 12 +
+    const size_t raw = WIRE_HEADER_BYTES + WIRE_BODY_FIXED_BYTES + 2 * 12 + 3 * 2 * 104 +
                        20 * 10 * (96 + 4 * layers_channels(layers));
     ok(flat ? b.size < raw / 10 : b.size == raw, "%s samples take %zu bytes",
        flat ? "flat" : "noisy", b.size);
@@ -124,6 +140,48 @@ static void refuses(const char *what, struct wire_samples w)
     arena_release(&arena);
 }
 
+static void refuses_block(const char *what, struct wire_samples w, const struct block *bad)
+{
+    w.samples.blocks[5] = *bad;
+    refuses(what, w);
+}
+
+static void refuses_blocks(struct arena *arena)
+{
+    const struct wire_samples good = message(arena, false, 0);
+    const struct block fine = good.samples.blocks[5]; /* of 4 x 2 pixels */
+    struct block b = fine;
+    b.sum = -1;
+    refuses_block("a block's negative sum", good, &b);
+    b = fine;
+    b.sum = 0x1p+201;
+    refuses_block("a sum that no samples have", good, &b);
+    b = fine;
+    b.square = NAN;
+    refuses_block("a block's sum of squares that is no number", good, &b);
+    b = fine;
+    b.clamped = INFINITY;
+    refuses_block("an infinite clamped light", good, &b);
+    b = fine;
+    b.cut = NAN;
+    refuses_block("a cut light that is no number", good, &b);
+    b = fine;
+    b.met = 4 * 2 * 16 + 1;
+    refuses_block("more samples that met something than there are", good, &b);
+    b = fine;
+    b.top[3] = b.top[2] + 1;
+    refuses_block("largest values that rise", good, &b);
+    b = fine;
+    b.top[15] = -1;
+    refuses_block("a negative one", good, &b);
+    b = fine;
+    b.top[7] = NAN;
+    refuses_block("one that is no number", good, &b);
+    b = fine;
+    b.top[0] = INFINITY;
+    refuses_block("an infinite one", good, &b);
+}
+
 static void refuses_lies(void)
 {
     struct arena arena = {0};
@@ -155,6 +213,7 @@ static void refuses_lies(void)
     w = message(&arena, false, some_layers);
     w.samples.layers = some_layers | 1 << 6;
     refuses("a layer that nobody knows", w);
+    refuses_blocks(&arena);
     arena_release(&arena);
 }
 
@@ -166,6 +225,8 @@ int main(void)
     golden("samples-v1-raw.bin", false, 0);
     golden("samples-v1-deflated.bin", true, 0);
     golden("samples-v2-raw.bin", false, some_layers);
+    golden("samples-v3-raw.bin", false, some_layers);
+    golden("samples-v3-deflated.bin", true, 0);
     refuses_lies();
     return tap_done();
 }

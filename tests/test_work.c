@@ -8,6 +8,7 @@
 #include "common/trace/bvh_cost.h"
 #include "common/trace/prep.h"
 #include "common/trace/render.h"
+#include "common/trace/work.h"
 #include "tests/scenes.h"
 #include "tests/tap.h"
 
@@ -90,6 +91,8 @@ static void is_a_sum(const struct stage *s, const char *name)
     ok(same(&tile, &row) && same(&tile, &pixel) && same(&tile, &sample) && same(&tile, &cut) &&
            same(&tile, &film) && same(&tile, &layers),
        "%s: the same work by tile, row, pixel, sample, odd passes, film and with layers", name);
+    ok(tile.units == work_units(s, &tile) && tile.units > 100 * (rays(&tile) - tile.camera_rays),
+       "%s: %lu units of work, the sum of the parts' prices", name, (unsigned long)tile.units);
     ok(tile.camera_rays == 12 * 8 * 32 / 2, "%s: siblings have one camera ray", name);
     ok(rays(&tile) > tile.camera_rays && tile.plain_vertices + tile.other_vertices > 0,
        "%s: %lu + %lu + %lu rays, %lu + %lu vertices", name, (unsigned long)tile.camera_rays,
@@ -152,16 +155,6 @@ static void of_smooth_ball(bool masked)
 
 /* --- counts that are known --- */
 
-/* Of plain vertices those by an edge are looked at one by one (surface_is_near_edge): one in a
- * thousand here. */
-static bool same_but_for_edges(const struct film_work *work, const struct film_work *want)
-{
-    struct film_work w = *work;
-    w.plain_vertices += w.other_vertices;
-    w.other_vertices = 0;
-    return work->other_vertices <= work->plain_vertices / 200 && same(&w, want);
-}
-
 static void in_a_furnace(void)
 {
     struct scenes s;
@@ -171,21 +164,21 @@ static void in_a_furnace(void)
                true);
     struct film film;
     scenes_render(scenes_stage(&s), 64, &film);
-    const struct film_work dark = {16 * 32, 3 * 16 * 64, 0, 3 * 16 * 64, 0};
-    ok(same_but_for_edges(&film.work, &dark),
-       "in a dark box each path has three vertices and three rays");
+    const struct film_work dark = {16 * 32, 3 * 16 * 64, 0, 3 * 16 * 64, 0, film.work.units};
+    ok(same(&film.work, &dark), "in a dark box each path has three vertices and three rays");
     film_release(&film);
 
     scenes_light(&s, LIGHT_POINT)->point.intensity = rgb_gray(1);
     scenes_render(scenes_stage(&s), 64, &film);
-    const struct film_work lit = {16 * 32, 3 * 16 * 64, 3 * 16 * 64, 3 * 16 * 64, 0};
-    ok(same_but_for_edges(&film.work, &lit), "and looks at a lamp in the middle from each of them");
+    const struct film_work lit = {16 * 32,     3 * 16 * 64, 3 * 16 * 64,
+                                  3 * 16 * 64, 0,           film.work.units};
+    ok(same(&film.work, &lit), "and looks at a lamp in the middle from each of them");
     film_release(&film);
 
     s.scene.settings.integrator = INTEGRATOR_DIRECT;
     scenes_render(scenes_stage(&s), 24, &film);
-    const struct film_work once = {16 * 16, 16 * 24, 16 * 24, 16 * 24, 0};
-    ok(same_but_for_edges(&film.work, &once), "direct light has one; of 24 samples 16 are elders");
+    const struct film_work once = {16 * 16, 16 * 24, 16 * 24, 16 * 24, 0, film.work.units};
+    ok(same(&film.work, &once), "direct light has one; of 24 samples 16 are elders");
     film_release(&film);
     scenes_release(&s);
 }
@@ -197,7 +190,7 @@ static void under_a_sky(void)
     scenes_sky(&s, rgb_gray(1));
     struct film film;
     scenes_render(scenes_stage(&s), 16, &film);
-    const struct film_work work = {16 * 8, 0, 0, 0, 0};
+    const struct film_work work = {16 * 8, 0, 0, 0, 0, film.work.units};
     ok(same(&film.work, &work), "where there is nothing there are camera rays and nothing else");
     film_release(&film);
     scenes_release(&s);

@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "tests/textures.h"
 
+#include <math.h>
 #include <stdlib.h>
+
+#include "tests/dice.h"
 
 static struct texture *add(struct scenes *s, enum texture_kind kind)
 {
@@ -60,7 +63,7 @@ struct material_slot *textures_drive(struct scenes *s, const void *member, bool 
     m->needs |= t->kind == TEXTURE_VERTEX_COLOR ? MATERIAL_NEEDS_COLOR : MATERIAL_NEEDS_UV;
     struct material_slot *slot = &scene->slots[scene->slot_count++];
     *slot = (struct material_slot){
-        .texture = (uint32_t)(t - scene->textures),
+        .texture = textures_index(s, t),
         .member = (uint32_t)((const char *)member - (const char *)m),
         .is_rgb = is_rgb,
         .hi = 1,
@@ -68,4 +71,55 @@ struct material_slot *textures_drive(struct scenes *s, const void *member, bool 
     };
     m->slot_end = scene->slot_count;
     return slot;
+}
+
+struct material_relief *textures_relief(struct scenes *s, uint32_t material)
+{
+    struct scene *scene = &s->scene;
+    struct material *m = &scene->materials[material];
+    if (!scene->reliefs)
+        scene->reliefs = arena_new(&s->arena, struct material_relief, TEXTURES_MAX);
+    if (!m->relief) {
+        if (scene->relief_count == TEXTURES_MAX)
+            abort();
+        scene->reliefs[scene->relief_count++] = (struct material_relief){
+            .normal_map = SCENE_NO_TEXTURE, .strength = 1, .bump = SCENE_NO_TEXTURE, .height = 1};
+        m->relief = scene->relief_count;
+        m->needs |= MATERIAL_NEEDS_UV;
+    }
+    return &scene->reliefs[m->relief - 1];
+}
+
+/* As a map holds it. */
+static void store_normal(float *pixel, vec3 n)
+{
+    vec3_store(pixel, 0.5f * n + vec3_make(0.5f, 0.5f, 0.5f));
+}
+
+struct texture *textures_normal(struct scenes *s, vec3 normal)
+{
+    float *pixel = arena_new(&s->arena, float, 3);
+    store_normal(pixel, normal);
+    return textures_image(s, IMAGE_DEPTH_FLOAT, 1, 1, 3, pixel);
+}
+
+struct texture *textures_tilted(struct scenes *s, double angle_rad)
+{
+    enum { WIDTH = 16, HEIGHT = 8 };
+    struct dice d = dice_make(9);
+    float *pixels = arena_new(&s->arena, float, 3 * WIDTH * HEIGHT);
+    for (size_t i = 0; i < (size_t)WIDTH * HEIGHT; i++) {
+        const double turn = dice_range(&d, 0, 6.283185307179586);
+        store_normal(pixels + 3 * i,
+                     vec3_make((float)(sin(angle_rad) * cos(turn)),
+                               (float)(sin(angle_rad) * sin(turn)), (float)cos(angle_rad)));
+    }
+    struct texture *t = textures_image(s, IMAGE_DEPTH_FLOAT, WIDTH, HEIGHT, 3, pixels);
+    t->image.filter = TEXTURE_NEAREST;
+    return t;
+}
+
+uint32_t textures_index(const struct scenes *s, const struct texture *t)
+{
+    return (uint32_t)(t - s->scene.textures);
 }

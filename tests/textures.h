@@ -17,4 +17,15 @@ struct texture *textures_vertex_color(struct scenes *);
 struct material_slot *textures_drive(struct scenes *, const void *member, bool is_rgb,
                                      const struct texture *);
 
+/* The material's relief, made on the first call; its textures are still to be named. */
+struct material_relief *textures_relief(struct scenes *, uint32_t material);
+
+/* A normal map that is the same everywhere; one of 16 x 8 squares, each tilted by the angle to a side
+ * of its own. */
+struct texture *textures_normal(struct scenes *, vec3 normal);
+struct texture *textures_tilted(struct scenes *, double angle_rad);
+
+/* Its number in the scene. */
+uint32_t textures_index(const struct scenes *, const struct texture *);
+
 #endif

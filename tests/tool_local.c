@@ -1,5 +1,5 @@
-/* tool_local SCENE OUT.exr [--threads N] [--tile N]: renders to the document's spp in this one process
- * and prints the image's digest. What farms are compared with, and the baseline of bench/.
+/* tool_local SCENE OUT.exr [--threads N] [--tile N]: renders to the document's spp in this one
+ * process and prints the image's digest. What farms are compared with, and the baseline of bench/.
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <stdlib.h>
@@ -35,6 +35,7 @@ int main(int argc, char **argv)
     const struct image_facts facts = {.job = "local",
                                       .document = "",
                                       .target = "{}",
+                                      .report = "{}",
                                       .digest = digest,
                                       .spp = l.disk.scene.settings.target.spp};
     struct err err;

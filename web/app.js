@@ -41,6 +41,24 @@ function duration(seconds) {
     return `${Math.floor(s / 86400)}\u00a0d\u00a0${Math.floor(s / 3600) % 24}\u00a0h`;
 }
 
+function errorText(job) {
+    if (job.error === null)
+        return "not known before 8 spp";
+    const interval = job.report.error.interval;
+    return percent(job.error) + (interval ? ` (${percent(interval[0])} to ${percent(interval[1])})` : "");
+}
+
+function trustText(pixels) { // of the error bars
+    if (pixels.trusted === null)
+        return "not known yet";
+    const parts = [`${percent(pixels.trusted)} of the pixels`];
+    if (pixels.unknown > 0)
+        parts.push(`${percent(pixels.unknown)} not known`);
+    if (pixels.heavy_tail > 0)
+        parts.push(`${percent(pixels.heavy_tail)} heavy tail`);
+    return parts.join(", ");
+}
+
 const date = (ms) => new Date(ms).toLocaleString("en-GB", { dateStyle: "medium", timeStyle: "short" });
 const title = (job) => job.title || `Job ${job.id}`;
 
@@ -237,15 +255,44 @@ function leftText(job) {
     return job.eta_seconds === null ? "Time left: not known yet." : `About ${duration(job.eta_seconds)} left.`;
 }
 
+// By job; null while it is on its way.
+const plans = new Map();
+
+function planOf(job) {
+    if (job.method !== null && !plans.has(job.id)) {
+        plans.set(job.id, null);
+        fetch(`/v1/jobs/${job.id}/plan`).then((reply) => reply.ok ? reply.json() : Promise.reject(reply.status))
+            .then((plan) => plans.set(job.id, plan), () => plans.delete(job.id));
+    }
+    return plans.get(job.id) ?? null;
+}
+
+function methodRows(job) {
+    if (!job.auto)
+        return [];
+    if (job.method === null)
+        return [["Method", "not planned yet"]];
+    const plan = planOf(job), rows = [["Method", `${job.method.integrator}, ${job.method.strategy}`]];
+    if (plan === null)
+        return rows;
+    const missing = Object.entries(plan.missing);
+    rows.push(["Chosen since it is", plan.why]);
+    if (missing.length)
+        rows.push(["Light that is missing", missing.map(([name, share]) => `${name}\u00a0${percent(share)}`).join(", ")]);
+    return rows;
+}
+
 function jobFacts(job) {
     const passes = job.tile_passes, leases = job.leases, bad = job.invalid_samples;
     const rows = [
-        ["Error (estimate)", job.error === null ? "not known before 8 spp" : percent(job.error)],
+        ["Error (95\u00a0% interval)", errorText(job)],
+        ["Error bars hold for", trustText(job.report.pixels)],
         ["Samples per pixel", job.target.spp === null ? String(job.spp) : `${job.spp} of ${job.target.spp}`],
         ["Samples", big(job.samples)],
         ["Rate", job.samples_per_second === null ? "–" : `${big(job.samples_per_second)}\u00a0samples/s`],
         ["Workers on it", String(job.workers)],
         ["Target", targetText(job.target)],
+        ...methodRows(job),
         ["Time", `${duration(job.elapsed_seconds)}, ${duration(job.cpu_seconds)}\u00a0CPU`],
         ["Tile passes", `${passes.done} of ${passes.total}`],
     ];
@@ -254,6 +301,12 @@ function jobFacts(job) {
     if (bad.count)
         rows.push(["Invalid samples", `${bad.count}, the first at ${bad.keys.slice(0, 3)
             .map(([x, y, sample]) => `(${x}, ${y}) sample ${sample}`).join(", ")}`]);
+    const removed = job.report.removed, dropped = job.report.triangles_dropped;
+    for (const [name, what] of [["Light cut by max_bounces", removed.max_bounces], ["Light taken by clamp", removed.clamp]])
+        if (what.share >= 0.0005)
+            rows.push([name, percent(what.share)]);
+    if (dropped.degenerate + dropped.not_finite)
+        rows.push(["Triangles left out", `${dropped.degenerate} without area, ${dropped.not_finite} not finite`]);
     rows.push(["Priority", String(job.priority)], ["Submitted", date(job.created_unix_ms)], ["Job", job.id]);
     return rows;
 }
@@ -350,9 +403,10 @@ function jobView(id) {
             order(cancel, { method: "DELETE" });
     };
     return {
-        paths: [path, "/v1/workers"],
-        show([job, { workers }]) {
+        paths: [path, "/v1/workers", `${path}/convergence`],
+        show([job, { workers }, curve]) {
             showJob(root, job);
+            showCurve($(".convergence", root), curve);
             showFarm($(".farm", root), workers);
             summary(workers);
             if (state !== null && state !== job.state)

@@ -92,7 +92,10 @@ static void start_call(struct agent *a, struct pass *p, int64_t now_ms)
             const uint32_t want = min_u32(missing(a), LINK_MAX_LEASES);
             p->state = PASS_DELIVERING;
             a->asked += want;
-            link_deliver(a->link, p->lease.id, &p->payload, want);
+            if (p->lease.plan)
+                link_deliver_plan(a->link, p->lease.id, &p->payload, want);
+            else
+                link_deliver(a->link, p->lease.id, &p->payload, want);
         }
         return;
     case PASS_RETURN:

@@ -58,7 +58,7 @@ static void advance(struct held *h, struct pass *p)
         held_return(p, load->fault_kind, load->err.text);
         return;
     }
-    if (!inside(p->lease.rect, &load->stage->film)) {
+    if (!p->lease.plan && !inside(p->lease.rect, &load->stage->film)) {
         held_return(p, "worker", "the lease's rectangle is outside the document's crop window");
         return;
     }
@@ -86,7 +86,7 @@ void held_accept(struct held *h, const struct link_lease *lease, int64_t now_ms)
         return; /* granted twice: one is enough */
     struct pass *p = append(h, lease);
     p->renew_ms = now_ms + lease->ttl_ms / 3;
-    p->held = stages_hold(&h->stages, lease->document);
+    p->held = stages_hold(&h->stages, lease->document, lease->method);
     advance(h, p);
 }
 

@@ -170,21 +170,33 @@ void link_renew(struct link *l, const char *id)
     start_json(l, call_of(LINK_RENEW, id), "POST", path, CALL_MS);
 }
 
-void link_deliver(struct link *l, const char *id, const struct buf *payload, uint32_t want)
+static void deliver(struct link *l, const char *id, const struct buf *payload, uint32_t want,
+                    bool plan)
 {
     struct link_call call = call_of(LINK_DELIVER, id);
     call.wanted = min_u32(want, LINK_MAX_LEASES);
     char path[160];
-    snprintf(path, sizeof path, "/v1/leases/%s?worker=%s&want=%u", id, l->name, call.wanted);
+    snprintf(path, sizeof path, "/v1/leases/%s%s?worker=%s&want=%u", id, plan ? "/plan" : "",
+             l->name, call.wanted);
     start(l, call,
           (struct http_client_request){
               .method = "PUT",
               .path = path,
-              .content_type = "application/octet-stream",
+              .content_type = plan ? "application/json" : "application/octet-stream",
               .body = payload->data,
               .body_bytes = payload->size,
               .timeout_ms = DELIVER_MS,
           });
+}
+
+void link_deliver(struct link *l, const char *id, const struct buf *payload, uint32_t want)
+{
+    deliver(l, id, payload, want, false);
+}
+
+void link_deliver_plan(struct link *l, const char *id, const struct buf *text, uint32_t want)
+{
+    deliver(l, id, text, want, true);
 }
 
 void link_return(struct link *l, const char *id, const char *kind, const char *reason)
@@ -241,30 +253,53 @@ static bool read_id(const json_t *value, char id[LINK_ID])
     return true;
 }
 
-static bool read_lease(const json_t *o, struct link_lease *lease)
+/* The method of a planned job; of others none is said. */
+static bool read_method(const json_t *value, enum plan_candidate_kind *k)
+{
+    *k = PLAN_REAL;
+    if (!value)
+        return true;
+    const char *integrator = json_string_value(json_object_get(value, "integrator"));
+    const char *strategy = json_string_value(json_object_get(value, "strategy"));
+    if (integrator && strategy)
+        *k = plan_find(integrator, strategy);
+    return *k != PLAN_REAL;
+}
+
+static bool read_pass(const json_t *o, struct link_lease *lease)
 {
     uint32_t rect[4], samples[2];
-    uint64_t tile, pass, ttl;
-    const char *document = json_string_value(json_object_get(o, "document"));
-    if (!read_id(json_object_get(o, "lease"), lease->id) ||
-        !read_id(json_object_get(o, "job"), lease->job) || !document || !hash_is_hex(document) ||
-        !read_whole(json_object_get(o, "tile"), 0, UINT32_MAX, &tile) ||
+    uint64_t tile, pass;
+    if (!read_whole(json_object_get(o, "tile"), 0, UINT32_MAX, &tile) ||
         !read_whole(json_object_get(o, "pass"), 0, UINT32_MAX, &pass) ||
-        !read_whole(json_object_get(o, "ttl_ms"), TTL_LEAST_MS, TTL_MOST_MS, &ttl) ||
         !read_array(json_object_get(o, "rect"), 4, SCENE_MAX_SIDE_PX, rect) ||
-        !read_array(json_object_get(o, "samples"), 2, SCENE_MAX_SPP, samples))
+        !read_array(json_object_get(o, "samples"), 2, SCENE_MAX_SPP, samples) ||
+        !read_method(json_object_get(o, "method"), &lease->method))
         return false;
     if (rect[0] >= rect[2] || rect[1] >= rect[3] || rect[2] - rect[0] > TILE_MAX_PX ||
         rect[3] - rect[1] > TILE_MAX_PX || samples[0] >= samples[1])
         return false;
-    memcpy(lease->document, document, HASH_HEX);
-    lease->job_number = strtoull(lease->job, NULL, 16);
     lease->tile = (uint32_t)tile;
     lease->rect = (struct tile_rect){rect[0], rect[1], rect[2], rect[3]};
     lease->pass_index = (uint32_t)pass;
     lease->pass = (struct tile_pass){samples[0], samples[1]};
-    lease->ttl_ms = (int64_t)ttl;
     return true;
+}
+
+static bool read_lease(const json_t *o, struct link_lease *lease)
+{
+    uint64_t ttl;
+    const char *document = json_string_value(json_object_get(o, "document"));
+    if (!read_id(json_object_get(o, "lease"), lease->id) ||
+        !read_id(json_object_get(o, "job"), lease->job) || !document || !hash_is_hex(document) ||
+        !read_whole(json_object_get(o, "ttl_ms"), TTL_LEAST_MS, TTL_MOST_MS, &ttl))
+        return false;
+    memcpy(lease->document, document, HASH_HEX);
+    lease->job_number = strtoull(lease->job, NULL, 16);
+    lease->ttl_ms = (int64_t)ttl;
+    lease->plan = json_is_true(json_object_get(o, "plan"));
+    lease->method = PLAN_REAL;
+    return lease->plan || read_pass(o, lease);
 }
 
 static bool read_leases(const json_t *root, struct link_event *e)

@@ -14,6 +14,7 @@
 #include "common/buf.h"
 #include "common/err.h"
 #include "common/hash.h"
+#include "common/plan.h"
 #include "common/tile.h"
 
 enum { LINK_ID = 17, LINK_MAX_LEASES = 64 };
@@ -23,6 +24,8 @@ struct link_lease {
     char job[LINK_ID];
     uint64_t job_number; /* the same as a number */
     char document[HASH_HEX];
+    bool plan;                       /* a plan is to be made; else a pass to be rendered: */
+    enum plan_candidate_kind method; /* PLAN_REAL: as the document says */
     uint32_t tile;
     struct tile_rect rect;
     uint32_t pass_index;
@@ -34,12 +37,12 @@ enum link_kind { LINK_ASK, LINK_RENEW, LINK_DELIVER, LINK_RETURN, LINK_STATE };
 
 struct link_event {
     enum link_kind kind;
-    int status;                                /* of HTTP; 0: no answer */
-    char id[LINK_ID];                          /* RENEW, DELIVER, RETURN: the lease's */
-    uint32_t wanted;                           /* ASK, DELIVER: leases that were asked for */
-    bool drain;                                /* ASK, DELIVER: finish and go */
-    int64_t ttl_ms;                            /* RENEW */
-    char result[16];                           /* DELIVER: "merged", "held", "duplicate" */
+    int status;       /* of HTTP; 0: no answer */
+    char id[LINK_ID]; /* RENEW, DELIVER, RETURN: the lease's */
+    uint32_t wanted;  /* ASK, DELIVER: leases that were asked for */
+    bool drain;       /* ASK, DELIVER: finish and go */
+    int64_t ttl_ms;   /* RENEW */
+    char result[16];  /* DELIVER: "merged", "held", "duplicate", "planned" */
     struct link_lease leases[LINK_MAX_LEASES]; /* ASK, DELIVER: at most `wanted` */
     uint32_t lease_count;
     char text[512]; /* why, when status is not 2xx */
@@ -59,6 +62,7 @@ void link_ask(struct link *, uint32_t want, uint32_t wait_ms);
 void link_renew(struct link *, const char *id);
 /* payload: borrowed until the event comes */
 void link_deliver(struct link *, const char *id, const struct buf *payload, uint32_t want);
+void link_deliver_plan(struct link *, const char *id, const struct buf *text, uint32_t want);
 /* kind: "worker", "input", or NULL for a lease that is handed back without fault */
 void link_return(struct link *, const char *id, const char *kind, const char *reason);
 void link_state(struct link *, const char *state); /* of this worker: "draining", "active" */

@@ -8,6 +8,7 @@
 #ifndef WORKER_LOADER_H
 #define WORKER_LOADER_H
 
+#include "common/plan.h"
 #include "common/trace/stage.h"
 #include "worker/args.h"
 #include "worker/cache.h"
@@ -17,10 +18,11 @@
 /* Goes in by loader_submit and comes back through the mailbox given to loader_new. */
 struct load {
     char document[HASH_HEX];
-    const struct stage *stage; /* in one of the two: */
-    struct stagefile file;     /* shared by every process that has it, or */
-    struct arena arena;        /* ours alone */
-    bool done;                 /* the stage is there; else: */
+    enum plan_candidate_kind method; /* that a plan has chosen; PLAN_REAL: as it is prepared */
+    const struct stage *stage;       /* in one of the two: */
+    struct stagefile file;           /* shared by every process that has it, or */
+    struct arena arena;              /* ours alone */
+    bool done;                       /* the stage is there; else: */
     const char *fault_kind; /* "input" the scene cannot be prepared anywhere, "worker" not here */
     struct err err;
 };

@@ -6,6 +6,7 @@
 
 #include "common/clock.h"
 #include "common/trace/render.h"
+#include "common/trace/study.h"
 #include "common/wire.h"
 
 struct pool {
@@ -45,6 +46,24 @@ static void render(struct pass *pass, struct arena *scratch)
     pass->finished = true;
 }
 
+static bool is_abandoned(const void *user)
+{
+    const atomic_bool *flag = user;
+    return atomic_load_explicit(flag, memory_order_relaxed);
+}
+
+static void make_plan(struct pass *pass, struct arena *scratch)
+{
+    struct plan plan;
+    const int64_t begin_us = clock_thread_cpu_us();
+    const struct study_halt halt = {is_abandoned, &pass->abandon};
+    if (!study_make(pass->stage, &halt, scratch, &plan))
+        return;
+    pass->cpu_us = (uint64_t)(clock_thread_cpu_us() - begin_us);
+    plan_print(&plan, &pass->payload);
+    pass->finished = true;
+}
+
 static void *run(void *user)
 {
     struct pool *pool = user;
@@ -55,7 +74,10 @@ static void *run(void *user)
         if (!pass)
             break;
         atomic_fetch_add(&pool->idle_ms, clock_ms() - begin_ms);
-        render(pass, &scratch);
+        if (pass->lease.plan)
+            make_plan(pass, &scratch);
+        else
+            render(pass, &scratch);
         arena_reset(&scratch);
         mailbox_push(pool->done, pass);
     }

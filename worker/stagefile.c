@@ -15,6 +15,7 @@
 
 #include "common/clock.h"
 #include "common/log.h"
+#include "common/trace/study.h"
 
 enum {
     NAP_MS = 25,    /* between two looks at what another process prepares */
@@ -131,6 +132,23 @@ void stagefile_close(struct stagefile *f)
     if (f->map || f->fd > 0)
         close(f->fd);
     *f = (struct stagefile){0};
+}
+
+bool stagefile_set_method(struct stagefile *f, struct plan_method m, struct err *err)
+{
+    unsigned char *at = (unsigned char *)f->map + STAGEFILE_HEAD;
+    const size_t page = (size_t)sysconf(_SC_PAGESIZE);
+    const size_t bytes = (sizeof(struct stage) + page - 1) / page * page;
+    if (STAGEFILE_HEAD % page || f->map_bytes < STAGEFILE_HEAD + sizeof(struct stage))
+        return err_set(err, ERR_IO, "pages of %zu bytes", page);
+    if (mmap(at, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_FIXED, f->fd, STAGEFILE_HEAD) ==
+        MAP_FAILED)
+        return err_set(err, ERR_IO, "%s", strerror(errno));
+    struct stage *own = (struct stage *)(void *)at;
+    study_set_method(own, own, m);
+    if (mprotect(at, bytes, PROT_READ))
+        return err_set(err, ERR_IO, "%s", strerror(errno));
+    return true;
 }
 
 /* ----------------------------------------------------------------- claims */

@@ -29,6 +29,7 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
+#include "common/plan.h"
 #include "common/trace/stage.h"
 #include "worker/cache.h"
 
@@ -43,6 +44,10 @@ struct stagefile {
 };
 
 void stagefile_close(struct stagefile *); /* of none: nothing */
+
+/* Makes it a stage of another method (study.h), for this process alone: one page is no longer
+ * shared. The stage is of a document with "auto", and not traced yet. */
+bool stagefile_set_method(struct stagefile *, struct plan_method, struct err *) MUST_CHECK;
 
 struct stagefile_ask {
     const struct cache *cache;

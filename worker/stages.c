@@ -51,15 +51,23 @@ static void evict(struct stages *s)
     }
 }
 
-struct stages_entry *stages_hold(struct stages *s, const char document[HASH_HEX])
+/* As it is prepared is how this method has it. */
+static enum plan_candidate_kind usual(enum plan_candidate_kind method)
+{
+    return method == PLAN_PATH_MIS ? PLAN_REAL : method;
+}
+
+struct stages_entry *stages_hold(struct stages *s, const char document[HASH_HEX],
+                                 enum plan_candidate_kind method)
 {
     struct stages_entry *e = s->entries;
-    while (e && strcmp(e->load->document, document) != 0)
+    while (e && (strcmp(e->load->document, document) != 0 || e->load->method != usual(method)))
         e = e->next;
     if (!e) {
         e = arena_malloc(1, sizeof *e);
         e->load = arena_malloc(1, sizeof *e->load);
         memcpy(e->load->document, document, HASH_HEX);
+        e->load->method = usual(method);
         e->loading = true;
         e->next = s->entries;
         s->entries = e;

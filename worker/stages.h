@@ -1,5 +1,6 @@
-/* stages.h - prepared scenes in memory, by document: those in use, and the last used as far as
- * there is room. One that is mapped counts as one of our own: it may be, if nobody else has it.
+/* stages.h - prepared scenes in memory, by document and method: those in use, and the last used as
+ * far as there is room. One that is mapped counts as one of our own: it may be, if nobody else has
+ * it.
  *
  * A scene that is not there is given to the loader once, whoever asks meanwhile. One that could not
  * be prepared is forgotten when its last holder lets go, so a later lease tries again.
@@ -29,7 +30,9 @@ struct stages {
 
 void stages_release(struct stages *); /* nothing is loading or held */
 
-struct stages_entry *stages_hold(struct stages *, const char document[HASH_HEX]);
+/* method: PLAN_REAL for the document's own */
+struct stages_entry *stages_hold(struct stages *, const char document[HASH_HEX],
+                                 enum plan_candidate_kind method);
 void stages_drop(struct stages *, struct stages_entry *);
 void stages_loaded(struct stages *, struct load *); /* what the loader gave back */
 

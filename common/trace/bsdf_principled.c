@@ -8,6 +8,7 @@
 #include "common/trace/local.h"
 #include "common/trace/microfacet.h"
 #include "common/trace/sheen.h"
+#include "common/trace/stack.h"
 #include "common/trace/warp.h"
 
 enum lobe { LOBE_COAT, LOBE_SHEEN, LOBE_FACETS, LOBE_EVEN, LOBE_GLASS, LOBES };
@@ -18,10 +19,13 @@ struct view {
     struct material glass;
     struct coat coat, base; /* the clear coat's boundary, and that of what is not metal */
     float opaque, through;  /* shares of diffuse base and way through; the rest is metal */
+    bool layered;           /* there is a clear coat or sheen */
     rgb passes;             /* coat and sheen, along wo */
-    rgb diffuse;            /* f of the diffuse base is this times what passes along wi */
-    rgb again;              /* of metal: what its facets reflect again, likewise */
     float chance[LOBES];    /* add up to 1, or are all 0 */
+    /* For eval alone, by set_even: */
+    struct stack layers, clear; /* what passes both, and the coat */
+    rgb diffuse;                /* what the diffuse base returns of the light along wo */
+    rgb again;                  /* what facets of metal have left to reflect again */
 };
 
 static bool is_smooth(float alpha)
@@ -55,25 +59,110 @@ static rgb passes_both(const struct view *v, float cos)
     return passes_sheen(v, cos) * passes_coat(v, cos);
 }
 
-/* The mean of all that passes to the diffuse base, weighted by the cosine: six points of Gauss and
- * Legendre, even in sqrt(cos), since it is steep where cos is small. */
-static rgb passes_mean(const struct view *v)
+static void stack_layers(struct view *v)
 {
-    static const float x[6] = {0.0337652429f, 0.169395307f, 0.380690407f,
-                               0.619309593f,  0.830604693f, 0.966234757f};
-    static const float weight[6] = {0.0856622462f, 0.180380787f, 0.233956967f,
-                                    0.233956967f,  0.180380787f, 0.0856622462f};
-    if (!(v->m->principled.clearcoat > 0) && rgb_is_black(v->m->principled.sheen_color))
-        return rgb_gray(coat_passes_mean(&v->base));
-    rgb sum = rgb_gray(0);
-    for (int i = 0; i < 6; i++) {
-        const float cos = x[i] * x[i];
-        sum += passes_both(v, cos) * (coat_passes(&v->base, cos) * 4 * cos * x[i] * weight[i]);
+    for (int k = 0; v->layered && k <= STACK_CELLS; k++) {
+        const float root = (float)k / STACK_CELLS, cos = root * root, coat = passes_coat(v, cos);
+        v->clear.passes[k] = rgb_gray(coat);
+        v->layers.passes[k] = passes_sheen(v, cos) * coat;
     }
-    return sum;
+}
+
+/* --- what is left for the wide lobes --- */
+
+/* What the coat keeps of the sheen's light goes down. */
+static rgb sheen_loss(const struct view *v, float cos)
+{
+    const rgb color = v->m->principled.sheen_color;
+    if (!(v->m->principled.clearcoat > 0) || rgb_is_black(color))
+        return rgb_gray(0);
+    return color * stack_loss(&v->clear, STACK_FIBRES, v->m->principled.sheen_roughness, cos);
+}
+
+/* And what both keep of what facets of a dielectric reflect. */
+static rgb dielectric_loss(const struct view *v, float cos)
+{
+    const float r = (v->base.ior - 1) / (v->base.ior + 1), f0 = r * r;
+    if (is_smooth(v->base.alpha))
+        return sheen_loss(v, cos);
+    return sheen_loss(v, cos) + stack_loss(&v->layers, STACK_FACETS, v->base.alpha, cos) * f0 +
+           stack_loss(&v->layers, STACK_GRAZING, v->base.alpha, cos) * (1 - f0);
+}
+
+/* passes: coat and sheen, along the cosine. */
+static rgb left_for_diffuse(const struct view *v, float cos, rgb passes)
+{
+    const float below = coat_passes(&v->base, cos);
+    return v->layered ? passes * below + dielectric_loss(v, cos) : rgb_gray(below);
+}
+
+/* Over the way through: it comes back up. */
+static rgb left_for_glass(const struct view *v, float cos, rgb passes)
+{
+    (void)passes;
+    return dielectric_loss(v, cos);
+}
+
+static float missing_at(float alpha, float cos)
+{
+    const vec3 w = vec3_make(__builtin_sqrtf(cos < 1 ? (1 - cos) * (1 + cos) : 0), 0, cos);
+    return albedo_missing(w, (struct facet){alpha, alpha});
+}
+
+static rgb left_for_metal(const struct view *v, float cos, rgb passes)
+{
+    const float alpha = v->base.alpha;
+    const rgb missing = rgb_gray(is_smooth(alpha) ? 0 : missing_at(alpha, cos));
+    if (!v->layered)
+        return missing;
+    const rgb left = passes * missing + sheen_loss(v, cos);
+    return is_smooth(alpha) ? left : left + stack_loss(&v->layers, STACK_FACETS, alpha, cos);
+}
+
+typedef rgb left_for(const struct view *, float cos, rgb passes);
+
+static rgb layered_mean(const struct view *v, left_for *left_for_one)
+{
+    rgb left[STACK_CELLS + 1];
+    for (int k = 0; k <= STACK_CELLS; k++) {
+        const float root = (float)k / STACK_CELLS;
+        left[k] = left_for_one(v, root * root, v->layers.passes[k]);
+    }
+    return stack_mean(left);
+}
+
+static rgb diffuse_mean(const struct view *v)
+{
+    return v->layered ? layered_mean(v, left_for_diffuse) : rgb_gray(coat_passes_mean(&v->base));
+}
+
+static rgb divisor(rgb mean) /* where nothing is left, 0 is divided by it */
+{
+    const rgb none = rgb_gray(0x1p-20f);
+    return vec3_choose(mean > none, mean, none);
+}
+
+static rgb metal_mean(const struct view *v)
+{
+    if (!v->layered)
+        return rgb_gray(albedo_missing_mean((struct facet){v->base.alpha, v->base.alpha}));
+    return divisor(layered_mean(v, left_for_metal));
 }
 
 /* --- the parts --- */
+
+/* Of the wide lobes what layers leave to them is guessed: it needs all that they let pass. */
+static float even_chance(const struct view *v, float cos, float below)
+{
+    const struct material *m = v->m;
+    const float alpha = v->base.alpha, metallic = m->principled.metallic;
+    const rgb k = coat_base(&v->base, coat_passes_mean(&v->base), m->principled.base_color);
+    const float missing =
+        metallic > 0 && !is_smooth(alpha) ? missing_at(alpha, cos) + 0.1f * v->layered * alpha : 0;
+    return rgb_max(v->passes * k) * v->opaque * below +
+           rgb_max(v->passes * m->principled.base_color) * metallic * missing +
+           0.1f * (v->chance[LOBE_SHEEN] + v->layered * alpha * v->through);
+}
 
 static void set_chances(struct view *v, vec3 wo)
 {
@@ -85,7 +174,7 @@ static void set_chances(struct view *v, vec3 wo)
     c[LOBE_SHEEN] = (1 - vec3_dot(passes_sheen(v, wo[2]), rgb_gray(1.0f / 3))) * coat;
     c[LOBE_FACETS] =
         below * (metallic * rgb_max(m->principled.base_color) + (1 - metallic) * (1 - base));
-    c[LOBE_EVEN] = rgb_max(v->diffuse * base * v->passes + v->again);
+    c[LOBE_EVEN] = even_chance(v, wo[2], base);
     c[LOBE_GLASS] = below * v->through * base;
     for (int i = 0; i < LOBES; i++)
         sum += c[i];
@@ -93,17 +182,26 @@ static void set_chances(struct view *v, vec3 wo)
         c[i] /= sum;
 }
 
-/* Kulla and Conty's lobe of what facets reflect again, coloured by F's mean (bsdf_metal.c). */
-static rgb metal_again(const struct view *v, vec3 wo)
+/* What of the light that comes along wo the wide lobes return. Kulla and Conty's lobe of what
+ * facets reflect again is coloured by F's mean (bsdf_metal.c): in reflect_eval, which needs a mean
+ * that costs more. */
+static void set_even(struct view *v, vec3 wo)
 {
-    const float alpha = v->base.alpha;
-    if (!(v->m->principled.metallic > 0) || is_smooth(alpha))
-        return rgb_gray(0);
-    const struct facet a = {alpha, alpha};
-    const float missing = albedo_missing_mean(a);
+    const struct material *m = v->m;
+    v->diffuse = v->again = rgb_gray(0);
+    stack_layers(v);
+    if (v->opaque > 0)
+        v->diffuse = coat_base(&v->base, coat_passes_mean(&v->base), m->principled.base_color) *
+                     left_for_diffuse(v, wo[2], v->passes) * v->opaque;
+    if (m->principled.metallic > 0 && (v->layered || !is_smooth(v->base.alpha)))
+        v->again = left_for_metal(v, wo[2], v->passes) * m->principled.metallic;
+}
+
+static rgb metal_again(const struct view *v, float cos, rgb passes)
+{
+    const rgb mean = metal_mean(v);
     const rgb f = v->m->principled.base_color + (1 - v->m->principled.base_color) * (1.0f / 21);
-    const rgb color = f * f * (1 - missing) / (1 - f * missing);
-    return color * (v->m->principled.metallic * albedo_missing(wo, a) / missing);
+    return f * f * (1 - mean) / (1 - f * mean) * v->again * left_for_metal(v, cos, passes) / mean;
 }
 
 static struct view view_make(const struct material *m, vec3 wo)
@@ -120,16 +218,13 @@ static struct view view_make(const struct material *m, vec3 wo)
                      .chance = {0}};
     v.glass.dielectric.ior = m->principled.ior;
     v.glass.dielectric.alpha = alpha;
+    v.glass.dielectric.multiscatter = true;
     if (wo[2] < 0) {
         v.chance[LOBE_GLASS] = 1;
         return v;
     }
+    v.layered = m->principled.clearcoat > 0 || !rgb_is_black(m->principled.sheen_color);
     v.passes = passes_both(&v, wo[2]);
-    if (v.opaque > 0) {
-        const rgb k = coat_base(&v.base, coat_passes_mean(&v.base), m->principled.base_color);
-        v.diffuse = k * v.opaque / passes_mean(&v);
-    }
-    v.again = metal_again(&v, wo);
     set_chances(&v, wo);
     return v;
 }
@@ -144,21 +239,35 @@ static rgb facets(const struct view *v, float cos)
            (1 - metallic) * fresnel_dielectric(cos < 1 ? cos : 1, v->base.ior, &cos_t);
 }
 
-static rgb reflect_eval(const struct view *v, vec3 wo, vec3 wi)
+/* What comes back of what the way through has left, above. */
+static rgb glass_again(const struct view *v, vec3 wo, vec3 wi, rgb passes)
 {
+    rgb f = rgb_gray(0);
+    if (!bsdf_is_delta(&v->glass))
+        f = passes * bsdf_glass_several_eval(&v->glass, wo, wi);
+    if (v->layered)
+        f += dielectric_loss(v, wo[2]) * dielectric_loss(v, wi[2]) /
+             divisor(layered_mean(v, left_for_glass)) * warp_cosine_pdf_w(wi[2]);
+    return f * v->through;
+}
+
+static rgb reflect_eval(struct view *v, vec3 wo, vec3 wi)
+{
+    set_even(v, wo);
     const vec3 sum = wo + wi;
     const float length = vec3_length(sum), cos = 0.5f * length; /* the same both ways */
     const vec3 h = sum / length;
     const rgb passes = passes_both(v, wi[2]), less = smaller(v->passes, passes);
     const float even = warp_cosine_pdf_w(wi[2]);
-    rgb f = v->diffuse * v->passes * passes *
-            (coat_passes(&v->base, wo[2]) * coat_passes(&v->base, wi[2]) * even);
-    if (!is_smooth(v->base.alpha)) {
-        const struct facet a = {v->base.alpha, v->base.alpha};
+    rgb f = rgb_gray(0);
+    if (!rgb_is_black(v->diffuse))
+        f += v->diffuse * left_for_diffuse(v, wi[2], passes) / diffuse_mean(v) * even;
+    if (!rgb_is_black(v->again))
+        f += metal_again(v, wi[2], passes) * even;
+    if (!is_smooth(v->base.alpha))
         f += less * facets(v, cos) * microfacet_reflect(wo, wi, h, v->base.alpha);
-        if (v->m->principled.metallic > 0)
-            f += less * v->again * (albedo_missing(wi, a) * even);
-    }
+    if (v->through > 0)
+        f += glass_again(v, wo, wi, less);
     if (!rgb_is_black(v->m->principled.sheen_color)) {
         const float a = passes_coat(v, wo[2]), b = passes_coat(v, wi[2]);
         f += v->m->principled.sheen_color *
@@ -174,7 +283,7 @@ static rgb reflect_eval(const struct view *v, vec3 wo, vec3 wi)
 
 /* --- all --- */
 
-static rgb eval(const struct view *v, vec3 wo, vec3 wi)
+static rgb eval(struct view *v, vec3 wo, vec3 wi)
 {
     if (wo[2] > 0 && wi[2] > 0)
         return reflect_eval(v, wo, wi);
@@ -206,7 +315,7 @@ static float pdf_w(const struct view *v, vec3 wo, vec3 wi)
 
 rgb bsdf_principled_eval(const struct material *m, vec3 wo, vec3 wi)
 {
-    const struct view v = view_make(m, wo);
+    struct view v = view_make(m, wo);
     return eval(&v, wo, wi);
 }
 
@@ -284,7 +393,7 @@ static bool direction_of(const struct view *v, enum lobe lobe, vec3 wo, float re
 bool bsdf_principled_sample(const struct material *m, vec3 wo, float number, struct square q,
                             struct bsdf_sample *s)
 {
-    const struct view v = view_make(m, wo);
+    struct view v = view_make(m, wo);
     int lobe = 0;
     while (lobe < LOBES && number >= v.chance[lobe])
         number -= v.chance[lobe++];

@@ -9,9 +9,10 @@
  *                      (bsdf_glass.h), tinted by the base colour
  *
  * Alphas are squares of roughnesses. What lies below another layer gets what that lets pass, T: the
- * diffuse base T(o) T(i) over T's mean, which loses nothing; all else the smaller of T(o) and T(i),
- * so that no more passes than either allows. Both are reciprocal and make no light. From inside,
- * only the way through is there, the rest is black.
+ * lobes the smaller of T(o) and T(i), so that no more passes than either allows; and what that
+ * leaves over goes to the diffuse base, or to what metal reflects again (stack.h). All is
+ * reciprocal, makes no light, and white loses none. From inside, only the way through is there, the
+ * rest is black.
  *
  * Lobes are chosen by how much they reflect; eval and pdf are of all but those that are single
  * directions (bsdf.h). Directions as there, from either side if transmission is not 0.

@@ -49,7 +49,7 @@ static float plane(const uint16_t t[COAT_WIDTHS][COAT_SLOPES], struct knot width
 }
 
 /* What a table between its knots may be too large by, taken off. */
-#define TOO_LARGE 0.008f
+#define TOO_LARGE 0.002f
 
 float coat_table_passes(const struct coat_table *t, float ior, float alpha, float cos)
 {

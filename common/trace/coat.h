@@ -12,7 +12,7 @@
  * Based Coupled Specular-Matte BRDF Model with Importance Sampling", Eurographics 2001 short
  * papers). With a smooth coat this is exact.
  *
- * A rough coat's T is tabled (tests/tool_coat.c) and too small by up to 0.016, so that layers do
+ * A rough coat's T is tabled (tests/tool_coat.c) and too small by up to 0.012, so that layers do
  * not make light. SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_COAT_H
 #define COMMON_TRACE_COAT_H

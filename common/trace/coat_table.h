@@ -14,9 +14,9 @@
 
 #include "common/base.h"
 
-enum { COAT_IORS = 9, COAT_WIDTHS = 17, COAT_SLOPES = 17 };
+enum { COAT_IORS = 9, COAT_WIDTHS = 33, COAT_SLOPES = 33 };
 
-#define COAT_RATIO_ONE 4096 /* a ratio of 1 */
+#define COAT_RATIO_ONE 2048 /* a ratio of 1 */
 
 struct coat_table {
     uint16_t ratio[COAT_IORS][COAT_WIDTHS][COAT_SLOPES];

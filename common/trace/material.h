@@ -16,6 +16,13 @@
 
 #include "common/trace/texture.h"
 
+/* Whether it is made of others. */
+static inline bool material_is_wrapped(const struct material *m)
+{
+    const uint32_t wrapped = 1u << MATERIAL_MIX | 1u << MATERIAL_MASK | 1u << MATERIAL_TWO_SIDED;
+    return wrapped >> m->kind & 1;
+}
+
 /* What a ray meets: at the back of the material, or its front; point: where textures are looked at,
  * for a material that needs it (textured.h). */
 struct material_side {

@@ -3,6 +3,7 @@
 
 #include "common/trace/bsdf.h"
 #include "common/trace/bvh.h"
+#include "common/trace/glow.h"
 #include "common/trace/light.h"
 #include "common/trace/path_mask.h"
 #include "common/trace/path_media.h"
@@ -18,19 +19,11 @@ static float mis_weight(float a, float b)
     return 1 / (1 + r * r);
 }
 
-/* How many times a technique's density counts in the other's weight. Weights add up to 1 whatever
- * that is, so each strategy is unbiased; where both techniques find a light, one of them has all
- * the weight, exactly 1 (and the other 0, unless its density is 2^36 times as large), and what only
- * one finds it still finds. */
-struct trust {
-    float light, bsdf; /* each 1 over the other */
-};
+static const struct path_trust trusts[] = {[STRATEGY_MIS] = {1, 1},
+                                           [STRATEGY_LIGHT] = {0x1p+100f, 0x1p-100f},
+                                           [STRATEGY_BSDF] = {0x1p-100f, 0x1p+100f}};
 
-static const struct trust trusts[] = {[STRATEGY_MIS] = {1, 1},
-                                      [STRATEGY_LIGHT] = {0x1p+100f, 0x1p-100f},
-                                      [STRATEGY_BSDF] = {0x1p-100f, 0x1p+100f}};
-
-static const struct trust *trust_of(const struct stage *s)
+const struct path_trust *path_trust(const struct stage *s)
 {
     return &trusts[s->settings.strategy];
 }
@@ -65,7 +58,8 @@ struct path_vertex path_vertex_make(const struct stage *s, const struct ray *ray
     v.material = (const struct material *)stage_at(s, s->materials) + v.at.material;
     v.wo = warp_to_local(&v.frame, -ray->dir);
     v.raised.is = false;
-    if (s->slots.count && textured_needs(v.material))
+    if (((s->slots.count || s->reliefs.count) && textured_needs(v.material)) ||
+        (s->glowing && glow_is(s, v.at.emitter)))
         v.point = textured_point(s, ray, hit, &v.at, width);
     if (s->details.count)
         path_shade(s, ray, hit, &v, work);
@@ -80,7 +74,7 @@ rgb path_beyond(const struct stage *s, vec3 dir, float pdf_w)
         float sampled;
         const rgb found = light_beyond(s, e, dir, &sampled);
         if (!rgb_is_black(found))
-            light += found * (pdf_w == 0 ? 1 : mis_weight(pdf_w, sampled * trust_of(s)->light));
+            light += found * (pdf_w == 0 ? 1 : mis_weight(pdf_w, sampled * path_trust(s)->light));
     }
     return light;
 }
@@ -89,7 +83,8 @@ rgb path_emission(const struct stage *s, const struct path_vertex *v)
 {
     if (v->at.emitter == STAGE_NONE || !(v->wo[2] > 0))
         return (rgb){0, 0, 0, 0};
-    return vec3_load(((const struct emitter *)stage_at(s, s->emitters))[v->at.emitter].radiance);
+    const struct emitter *e = (const struct emitter *)stage_at(s, s->emitters) + v->at.emitter;
+    return e->texture == STAGE_NONE ? vec3_load(e->radiance) : glow_at(s, e, &v->point);
 }
 
 /* What of a chosen light goes on to wo, if nothing is in its way. */
@@ -102,7 +97,7 @@ static rgb reflected(const struct stage *s, const struct path *p, const struct l
         return f;
     f *= light->value;
     if (light->pdf_w != 0)
-        f *= mis_weight(light->pdf_w, bsdf_pdf_w(v->material, v->wo, wi) * trust_of(s)->bsdf);
+        f *= mis_weight(light->pdf_w, bsdf_pdf_w(v->material, v->wo, wi) * path_trust(s)->bsdf);
     if (p->media)
         f *= path_media_passed(s, p, wi, &light->shadow);
     return p->throughput * f;
@@ -180,6 +175,14 @@ bool path_scatter(const struct stage *s, struct path *p, const struct path_draw 
     return true;
 }
 
+float path_emission_weight(const struct stage *s, const struct surface *from,
+                           const struct surface *at, float pdf_w)
+{
+    if (pdf_w == 0)
+        return 1;
+    return mis_weight(pdf_w, light_pdf_w(s, from, at) * path_trust(s)->light);
+}
+
 void path_arrive(const struct stage *s, struct path *p, const struct path_vertex *v)
 {
     const struct surface from = p->vertex.at;
@@ -189,8 +192,5 @@ void path_arrive(const struct stage *s, struct path *p, const struct path_vertex
     const rgb found = path_emission(s, v);
     if (rgb_is_black(found))
         return;
-    const float weight =
-        p->pdf_w == 0 ? 1
-                      : mis_weight(p->pdf_w, light_pdf_w(s, &from, &v->at) * trust_of(s)->light);
-    p->light += p->throughput * found * weight;
+    p->light += p->throughput * found * path_emission_weight(s, &from, &v->at, p->pdf_w);
 }

@@ -68,8 +68,29 @@ struct path_vertex path_vertex_make(const struct stage *, const struct ray *,
  * nothing else could have made it. */
 rgb path_beyond(const struct stage *, vec3 dir, float pdf_w);
 
+/* What an emitter that is a primitive without a texture emits from its front. */
+static inline rgb path_radiance(const struct stage *s, uint32_t emitter)
+{
+    return vec3_load(((const struct emitter *)stage_at(s, s->emitters))[emitter].radiance);
+}
+
 /* What the vertex emits to where the ray came from. */
 rgb path_emission(const struct stage *, const struct path_vertex *);
+
+/* The weight of what `at` emits to the vertex `from`, found by a direction of density pdf_w; 0: a
+ * delta lobe's. */
+float path_emission_weight(const struct stage *, const struct surface *from,
+                           const struct surface *at, float pdf_w);
+
+/* How many times a technique's density counts in the other's weight. Weights add up to 1 whatever
+ * that is, so each strategy is unbiased; where both techniques find a light, one of them has all
+ * the weight, exactly 1 (and the other 0, unless its density is 2^36 times as large), and what only
+ * one finds it still finds. */
+struct path_trust {
+    float light, bsdf; /* each 1 over the other */
+};
+
+const struct path_trust *path_trust(const struct stage *);
 
 struct path_lamp { /* the random numbers of a look at a light */
     struct sobol_bits bits;

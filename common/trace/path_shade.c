@@ -3,6 +3,7 @@
 
 #include "common/trace/bsdf.h"
 #include "common/trace/bvh.h"
+#include "common/trace/relief.h"
 #include "common/trace/shading.h"
 #include "common/trace/surface_detail.h"
 
@@ -32,7 +33,7 @@ static bool is_caught(const struct stage *s, const struct ray *ray, const struct
     const float error = vec3_dot(vec3_abs(at->ng), at->p_error);
     if (!(height > 256 * error || height < -256 * error))
         return true;
-    if (surface_detail_edge(s, hit) > 4 * error)
+    if (surface_detail_edge(s, hit, at) > 4 * error)
         return false;
     const vec3 start = surface_outside(at, at->p_error, ray->origin - at->p);
     const struct ray way = {ray->origin, start - ray->origin, 1 + 0x1p-20f, ray->from,
@@ -47,14 +48,16 @@ void path_shade(const struct stage *s, const struct ray *ray, const struct ray_h
     const struct stage_detail *d = surface_detail_of(s, hit->prim, hit->instance);
     if (!d || v->wo[2] == 0)
         return;
-    const bool smooth = d->normals != STAGE_NONE;
-    if (!smooth && !(v->material->needs & MATERIAL_NEEDS_TANGENT))
+    const bool smooth = d->normals != STAGE_NONE, relief = v->material->relief;
+    if (!smooth && !relief && !(v->material->needs & MATERIAL_NEEDS_TANGENT))
         return;
-    const struct surface_detail detail = surface_detail_at(s, d, hit, &v->at);
+    struct surface_detail detail = surface_detail_at(s, d, hit, &v->at);
+    if (relief)
+        detail.ns = relief_normal(s, v->material, &v->point, &detail, v->at.ng);
     if (smooth)
         v->raised.is = surface_detail_raise(s, d, hit, &v->at, v->wo[2], &v->raised.p);
     turn_frame(v, &detail, -ray->dir);
-    if (smooth && is_caught(s, ray, hit, &v->at, work))
+    if ((smooth || relief) && is_caught(s, ray, hit, &v->at, work))
         v->wo[2] = 0; /* the path ends */
 }
 

@@ -18,7 +18,7 @@
 #include "common/trace/path.h"
 
 /* work, here and below: counts on. v: the plain vertex of the hit (its frame of ng, any tangent),
- * nothing raised. Where the shape has no detail, it stays as it is. Afterwards wo is on the same
+ * nothing raised; its point is set where the material has textures. Where the shape has no detail, it stays as it is. Afterwards wo is on the same
  * side of z as of ng. */
 void path_shade(const struct stage *, const struct ray *, const struct ray_hit *,
                 struct path_vertex *v, struct film_work *work);

@@ -8,6 +8,7 @@
 #include "common/trace/light8.h"
 #include "common/trace/medium.h"
 #include "common/trace/prep_plan.h"
+#include "common/trace/work.h"
 
 /* A panorama looks everywhere: its depth is the distance. */
 static void set_view(struct stage_view *view, const struct scene_camera *c)
@@ -52,6 +53,7 @@ static void count_pieces(struct prep_plan *p)
         head->guide_shift++;
     head->guide.count = (head->prim_count >> head->guide_shift) + 2;
     head->materials.count = p->scene->material_count;
+    head->reliefs.count = p->scene->relief_count;
     head->trees.count = p->tree_count;
     for (uint32_t i = 0; i < p->tree_count; i++) {
         const struct bvh_plan *plan = &p->trees[i].plan;
@@ -86,6 +88,7 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->uvs, NULL, sizeof(struct stage_uv)},
         {&head->colors, NULL, sizeof(struct stage_color)},
         {&head->slots, p->scene->slots, sizeof *p->scene->slots},
+        {&head->reliefs, p->scene->reliefs, sizeof *p->scene->reliefs},
         {&head->textures, p->textures, sizeof *p->textures},
         {&head->pyramids, p->pyramids, sizeof *p->pyramids},
         {&head->bytes8, NULL, sizeof(struct stage_bytes)},
@@ -206,6 +209,8 @@ static bool check_lines(const struct prep_plan *p, struct err *err)
 /* Direct light is one scattering; Whitted's surfaces look for lights and for nothing else. */
 static void settle_method(struct scene_settings *s)
 {
+    if (s->integrator == INTEGRATOR_AUTO)
+        s->integrator = INTEGRATOR_PATH;
     if (s->integrator == INTEGRATOR_DIRECT)
         s->max_bounces = min_u32(s->max_bounces, 1);
     if (s->integrator == INTEGRATOR_WHITTED)
@@ -245,6 +250,8 @@ bool prep_stage(const struct scene *scene, const struct crew *crew, struct arena
             light8_lamps((const struct stage *)(const void *)block,
                          (struct stage_lamps *)(void *)(block + p.head.lamps.offset));
         surround_camera((struct stage *)(void *)block);
+        ((struct stage *)(void *)block)->prices =
+            work_prices((const struct stage *)(const void *)block);
         *stage = (const struct stage *)(const void *)block;
     }
     for (uint32_t i = 0; i < p.tree_count; i++)

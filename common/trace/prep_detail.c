@@ -16,14 +16,28 @@ static const struct mesh *mesh_of(const struct prep_plan *p, const struct shape 
     return s->kind == SHAPE_MESH ? &p->scene->meshes[s->mesh.mesh] : NULL;
 }
 
+static bool is_smooth(const struct shape *s)
+{
+    return s->kind == SHAPE_MESH && s->mesh.normals == MESH_NORMALS_SMOOTH;
+}
+
 static bool has_normals(const struct shape *s, const struct mesh *mesh)
 {
-    return mesh && mesh->normals && s->mesh.normals != MESH_NORMALS_FLAT;
+    return is_smooth(s) || (mesh && mesh->normals && s->mesh.normals != MESH_NORMALS_FLAT);
+}
+
+static struct prep_mesh *detail_mesh_of(const struct prep_plan *p, const struct shape *s)
+{
+    return &p->detail_meshes[2 * (size_t)s->mesh.mesh + is_smooth(s)];
 }
 
 static uint32_t needs_of(const struct prep_plan *p, const struct shape *s)
 {
-    return p->scene->materials[s->material].needs;
+    uint32_t needs = p->scene->materials[s->material].needs;
+    if (s->glow)
+        needs |= p->scene->textures[s->glow - 1].kind == TEXTURE_VERTEX_COLOR ? MATERIAL_NEEDS_COLOR
+                                                                              : MATERIAL_NEEDS_UV;
+    return needs;
 }
 
 static bool wants_uv(uint32_t needs)
@@ -117,7 +131,7 @@ static uint32_t kept_of(const struct prep_plan *p, uint32_t shape)
 static uint32_t take_corners(struct prep_plan *p, uint32_t shape, const struct shape *s,
                              const struct mesh *mesh)
 {
-    struct prep_mesh *to = &p->detail_meshes[s->mesh.mesh];
+    struct prep_mesh *to = detail_mesh_of(p, s);
     const uint32_t kept = kept_of(p, shape);
     if (kept == mesh->triangle_count) {
         take_once(&to->corners, &p->head.corners, kept);
@@ -133,7 +147,7 @@ static void detail_mesh(struct prep_plan *p, uint32_t shape, const struct shape 
                         struct stage_detail *d)
 {
     const struct mesh *mesh = mesh_of(p, s);
-    struct prep_mesh *to = &p->detail_meshes[s->mesh.mesh];
+    struct prep_mesh *to = detail_mesh_of(p, s);
     const uint32_t needs = needs_of(p, s);
     turn_normals(&s->to_world, d);
     if (has_normals(s, mesh)) {
@@ -202,13 +216,22 @@ bool prep_detail_plan(struct prep_plan *p, struct arena *scratch, struct err *er
     for (uint32_t i = 0; i < scene->shape_count; i++)
         p->shapes[i].detail = wants_detail(p, &scene->shapes[i]) ? count++ : STAGE_NONE;
     p->details = arena_new(scratch, struct stage_detail, count);
-    p->detail_meshes = arena_new(scratch, struct prep_mesh, scene->mesh_count);
+    p->detail_meshes = arena_new(scratch, struct prep_mesh, 2 * (size_t)scene->mesh_count);
     p->head.details.count = count;
     p->quad_uvs = STAGE_NONE;
-    memset(p->detail_meshes, 0xff, scene->mesh_count * sizeof *p->detail_meshes); /* STAGE_NONE */
+    for (size_t i = 0; i < 2 * (size_t)scene->mesh_count; i++)
+        p->detail_meshes[i] = (struct prep_mesh){scene->meshes[i / 2].normals,
+                                                 STAGE_NONE,
+                                                 STAGE_NONE,
+                                                 STAGE_NONE,
+                                                 STAGE_NONE,
+                                                 STAGE_NONE};
     for (uint32_t i = 0; i < scene->shape_count; i++)
         if (p->shapes[i].detail != STAGE_NONE)
             p->details[p->shapes[i].detail] = detail_of(p, i, &scene->shapes[i]);
+    for (size_t i = 1; i < 2 * (size_t)scene->mesh_count; i += 2)
+        if (p->detail_meshes[i].normals != STAGE_NONE)
+            p->detail_meshes[i].given = prep_smooth_make(&scene->meshes[i / 2], scratch);
     const uint64_t most = STAGE_NONE - 1;
     if (p->head.normals.count > most || p->head.uvs.count > most || p->head.colors.count > most ||
         p->head.corners.count > most)
@@ -222,7 +245,7 @@ bool prep_detail_plan(struct prep_plan *p, struct arena *scratch, struct err *er
 
 /* Which side of a triangle its normals as a whole point to is judged in object space, once for all
  * that share it: a strong stretch may take a slanting normal to the other side. */
-static void write_corner(const struct mesh *mesh, bool normals, uint32_t i,
+static void write_corner(const struct mesh *mesh, const float *normals, uint32_t i,
                          struct stage_corners *to)
 {
     memcpy(to, mesh->indices + 3 * (size_t)i, sizeof *to);
@@ -231,7 +254,7 @@ static void write_corner(const struct mesh *mesh, bool normals, uint32_t i,
     vec3 v[3], sum = {0};
     prep_triangle_object(mesh, i, v);
     for (int k = 0; k < 3; k++)
-        sum += vec3_load(mesh->normals + 3 * (size_t)to->v[k]);
+        sum += vec3_load(normals + 3 * (size_t)to->v[k]);
     if (vec3_dot(sum, vec3_cross(v[1] - v[0], v[2] - v[0])) < 0)
         to->v[0] |= STAGE_CORNERS_BACK;
 }
@@ -241,7 +264,8 @@ static void write_own_corners(const struct prep_plan *p, const struct shape *s,
                               struct stage_corners *to)
 {
     const struct mesh *mesh = mesh_of(p, s);
-    const bool mirrored = prep_triangle_mirrored(s), normals = has_normals(s, mesh);
+    const bool mirrored = prep_triangle_mirrored(s);
+    const float *normals = has_normals(s, mesh) ? detail_mesh_of(p, s)->given : NULL;
     const uint32_t all = mesh ? mesh->triangle_count : 2;
     for (uint32_t i = 0; i < all; i++) {
         struct stage_triangle t;
@@ -261,30 +285,31 @@ static void write_mesh_corners(const struct mesh *mesh, const struct prep_mesh *
                                struct stage_corners *corners)
 {
     uint32_t all = at->corners, in_tree = at->in_tree;
+    const float *normals = at->normals != STAGE_NONE ? at->given : NULL;
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
         struct stage_triangle t;
         double area;
         vec3 v[3];
         if (all != STAGE_NONE)
-            write_corner(mesh, at->normals != STAGE_NONE, i, &corners[all++]);
+            write_corner(mesh, normals, i, &corners[all++]);
         if (in_tree == STAGE_NONE)
             continue;
         prep_triangle_object(mesh, i, v);
         if (prep_triangle_make(v, &t, &area) == PREP_KEPT)
-            write_corner(mesh, at->normals != STAGE_NONE, i, &corners[in_tree++]);
+            write_corner(mesh, normals, i, &corners[in_tree++]);
     }
 }
 
 static void write_corners(const struct prep_plan *p, struct stage_corners *to)
 {
-    for (uint32_t i = 0; i < p->scene->mesh_count; i++)
+    for (size_t i = 0; i < 2 * (size_t)p->scene->mesh_count; i++)
         if (p->detail_meshes[i].corners != STAGE_NONE || p->detail_meshes[i].in_tree != STAGE_NONE)
-            write_mesh_corners(&p->scene->meshes[i], &p->detail_meshes[i], to);
+            write_mesh_corners(&p->scene->meshes[i / 2], &p->detail_meshes[i], to);
     for (uint32_t i = 0; i < p->scene->shape_count; i++) {
         const struct shape *s = &p->scene->shapes[i];
         const uint32_t detail = p->shapes[i].detail;
         const uint32_t own = detail == STAGE_NONE ? STAGE_NONE : p->details[detail].corners;
-        const struct prep_mesh *of = s->kind == SHAPE_MESH ? &p->detail_meshes[s->mesh.mesh] : NULL;
+        const struct prep_mesh *of = s->kind == SHAPE_MESH ? detail_mesh_of(p, s) : NULL;
         if (own != STAGE_NONE && !(of && (own == of->corners || own == of->in_tree)))
             write_own_corners(p, s, to + own);
     }
@@ -295,11 +320,11 @@ static void write_vertices(const struct prep_plan *p, unsigned char *block)
     struct stage_normal *normals = (struct stage_normal *)(void *)(block + p->head.normals.offset);
     struct stage_uv *uvs = (struct stage_uv *)(void *)(block + p->head.uvs.offset);
     struct stage_color *colors = (struct stage_color *)(void *)(block + p->head.colors.offset);
-    for (uint32_t i = 0; i < p->scene->mesh_count; i++) {
-        const struct mesh *mesh = &p->scene->meshes[i];
+    for (size_t i = 0; i < 2 * (size_t)p->scene->mesh_count; i++) {
+        const struct mesh *mesh = &p->scene->meshes[i / 2];
         const struct prep_mesh *at = &p->detail_meshes[i];
         if (at->normals != STAGE_NONE)
-            memcpy(normals + at->normals, mesh->normals, mesh->vertex_count * sizeof *normals);
+            memcpy(normals + at->normals, at->given, mesh->vertex_count * sizeof *normals);
         if (at->uvs != STAGE_NONE)
             memcpy(uvs + at->uvs, mesh->uvs, mesh->vertex_count * sizeof *uvs);
         if (at->colors != STAGE_NONE)

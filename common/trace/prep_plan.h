@@ -15,8 +15,10 @@ struct prep_tree {
     struct bvh_plan plan;
 };
 
-/* Where a mesh's triangles and vertices come to lie in the stage's arrays; STAGE_NONE: nowhere. */
+/* Where a mesh's triangles and vertices come to lie in the stage's arrays; STAGE_NONE: nowhere. The
+ * same mesh is another one for shapes whose normals are made. */
 struct prep_mesh {
+    const float *given; /* the normals, as struct mesh has them */
     uint32_t corners; /* of all its triangles */
     uint32_t in_tree; /* of those that its shared tree has kept, when these are not all */
     uint32_t normals, uvs, colors;
@@ -39,7 +41,7 @@ struct prep_plan {
     float *pick_cdf;
     struct stage_knot *knots;
     struct stage_detail *details;
-    struct prep_mesh *detail_meshes;
+    struct prep_mesh *detail_meshes; /* two of each mesh; the second: smooth */
     uint32_t quad_uvs; /* as in struct prep_mesh */
     struct stage_texture *textures;
     struct stage_pyramid *pyramids;
@@ -86,6 +88,11 @@ void prep_triangle_world(const struct mesh *, const struct shape *, bool mirrore
  * then the parts. False: too many vertices. */
 bool prep_detail_plan(struct prep_plan *, struct arena *scratch, struct err *) MUST_CHECK;
 void prep_detail_write(const struct prep_plan *, unsigned char *block);
+
+/* --- prep_smooth.c --- */
+
+/* Normals for the mesh's vertices, made of its triangles': as struct mesh has them. */
+const float *prep_smooth_make(const struct mesh *, struct arena *);
 
 /* Where the camera stands and how it maps the film. */
 void prep_camera(struct stage_camera *, const struct scene *);

@@ -7,7 +7,6 @@
 
 #include "common/trace/camera.h"
 #include "common/trace/half.h"
-#include "common/trace/srgb.h"
 #include "common/trace/texture.h"
 
 #define TEXELS_MAX_BYTES ((uint64_t)16 << 30)
@@ -138,6 +137,15 @@ bool prep_texture_plan(struct prep_plan *p, struct arena *scratch, struct err *e
     bool *used = arena_new(scratch, bool, scene->texture_count);
     for (uint32_t i = 0; i < scene->slot_count; i++)
         used[scene->slots[i].texture] = true;
+    for (uint32_t i = 0; i < scene->shape_count; i++)
+        if (scene->shapes[i].glow)
+            used[scene->shapes[i].glow - 1] = true;
+    for (uint32_t i = 0; i < scene->relief_count; i++) {
+        if (scene->reliefs[i].normal_map != SCENE_NO_TEXTURE)
+            used[scene->reliefs[i].normal_map] = true;
+        if (scene->reliefs[i].bump != SCENE_NO_TEXTURE)
+            used[scene->reliefs[i].bump] = true;
+    }
     p->textures = arena_new(scratch, struct stage_texture, scene->texture_count);
     p->pyramids = arena_new(scratch, struct stage_pyramid, scene->texture_count);
     p->pyramid_images = arena_new(scratch, struct prep_image, scene->texture_count);

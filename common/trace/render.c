@@ -7,8 +7,10 @@
 #include "common/trace/camera.h"
 #include "common/trace/filter.h"
 #include "common/trace/layer.h"
+#include "common/trace/probe.h"
 #include "common/trace/sampler.h"
 #include "common/trace/wave.h"
+#include "common/trace/work.h"
 
 /* A sample above this is taken for an error. SCENE_MAX_SPP = 2^24 samples below it, weighed by 16/9
  * at most, add up to less than 2^127, so that no sum leaves the range of float. */
@@ -91,18 +93,66 @@ static void octet_put(struct octet *o, uint32_t which, struct wave *w, uint32_t 
     wave_put(w, which, &o->starts, o->rng.replicate, number);
 }
 
+/* A sample on its own, in lane 0. */
+struct lone {
+    struct octet octet;
+    struct wave wave;
+    rgb radiance[FILM_REPLICATES];
+};
+
+/* Its path may scatter so often. */
+static rgb go_alone(struct lone *l, const struct stage *s, struct film_key key,
+                    uint32_t max_bounces)
+{
+    const uint32_t replicate = key.sample % FILM_REPLICATES, which = 1u << replicate;
+    wave_init(&l->wave, s, PATH_ROULETTE_BEGIN, NULL, l->radiance);
+    l->wave.max_bounces = max_bounces;
+    octet_init(&l->octet, s, key.x_px, key.y_px);
+    octet_go(&l->octet, key.sample / FILM_REPLICATES);
+    octet_begin(&l->octet, which);
+    l->octet.starts.ends = max_bounces > 0 ? which & ~l->octet.starts.met : which;
+    octet_put(&l->octet, which, &l->wave, 0);
+    wave_finish(&l->wave);
+    return l->radiance[replicate];
+}
+
+static rgb sample_alone(const struct stage *s, struct film_key key, uint32_t max_bounces)
+{
+    struct lone l;
+    return go_alone(&l, s, key, max_bounces);
+}
+
 rgb render_sample(const struct stage *s, uint32_t x_px, uint32_t y_px, uint32_t sample)
 {
-    const uint32_t replicate = sample % FILM_REPLICATES;
-    struct octet o;
-    struct wave w;
-    rgb radiance[FILM_REPLICATES];
-    wave_init(&w, s, PATH_ROULETTE_BEGIN, NULL, radiance);
-    octet_init(&o, s, x_px, y_px);
-    octet_go(&o, sample / FILM_REPLICATES);
-    octet_put(&o, 1u << replicate, &w, 0);
-    wave_finish(&w);
-    return radiance[replicate];
+    return sample_alone(s, (struct film_key){x_px, y_px, sample}, s->settings.max_bounces);
+}
+
+void render_follow(const struct stage *s, struct film_key key, uint32_t bounces,
+                   struct render_place *out)
+{
+    const uint32_t most = s->settings.max_bounces;
+    struct lone l;
+    out->light = go_alone(&l, s, key, min_u32(bounces, most));
+    out->traced = l.wave.work.bounce_rays;
+    out->throughput = rgb_gray(1);
+    struct surface at = {.material = STAGE_NONE, .emitter = STAGE_NONE};
+    const uint32_t replicate = key.sample % FILM_REPLICATES;
+    if (bounces > most) {
+        out->material = STAGE_NONE;
+        return;
+    }
+    if (bounces == 0 && !s->media && l.octet.starts.met >> replicate & 1) {
+        at = wave_first(s, &l.octet.starts, replicate).at;
+    } else if (bounces > 0 ? l.wave.cut & 1 : l.octet.starts.met >> replicate & 1) {
+        const bool plain = l.wave.plain & 1;
+        at = plain ? path8_surface(s, l.wave.lanes.vertex, 0) : l.wave.paths[0].vertex.at;
+        out->throughput =
+            plain ? vec8_lane(&l.wave.lanes.throughput, 0) : l.wave.paths[0].throughput;
+    }
+    out->material = at.material;
+    out->p = at.p;
+    out->ng = at.ng;
+    out->shines = at.emitter != STAGE_NONE;
 }
 
 /* False for a NaN. */
@@ -127,6 +177,7 @@ struct row {
     struct film_samples *out;
     float *sums, *layers; /* of the pixel that is being added up; layers: if there are any */
     uint32_t channels;    /* of layers */
+    struct block *blocks; /* the row's */
     struct pixel pixel;
     struct octet octet;
     struct wave wave;
@@ -154,8 +205,13 @@ static void pixel_end(struct row *r)
         *r->layers++ = (float)r->pixel.layers[i];
 }
 
-/* The filter's sign, and gain, on what sample i of the eight has brought, which was judged before.
- */
+static struct block *block_at(const struct row *r, uint32_t x_px)
+{
+    return &r->blocks[(x_px - r->out->rect.x_begin) / BLOCK_PX];
+}
+
+/* The filter's sign and gain, and the clamp, on what sample i of the eight has brought, which was
+ * judged before. */
 static void weigh(float weight, struct wave_terms *terms, uint32_t i, rgb *radiance)
 {
     *radiance *= weight;
@@ -163,23 +219,64 @@ static void weigh(float weight, struct wave_terms *terms, uint32_t i, rgb *radia
         terms->light[k][i] *= weight;
 }
 
+/* What goes beyond settings.clamp is taken away, and counted; returns what is left of 1. */
+static float clamp_share(const struct stage *s, float x, rgb radiance, float weight,
+                         struct block *b)
+{
+    const float limit = s->settings.clamp, most = rgb_max(radiance);
+    if (!(most > limit))
+        return 1;
+    const float share = limit / most;
+    b->clamped += (double)(x * weight) - (double)(x * share * weight);
+    return share;
+}
+
+/* Where the filter is signed, or samples are clamped: what the sample weighs, and x after the
+ * clamp. */
+static void weigh_valid(struct row *r, const struct octet_samples *o, uint32_t i, rgb *radiance,
+                        float *x)
+{
+    const struct stage *s = r->octet.stage;
+    float weight = filter_is_signed(s) ? o->weight[i] : 1;
+    if (s->settings.clamp > 0) {
+        const float share = clamp_share(s, *x, *radiance, weight, block_at(r, o->x_px));
+        weight *= share;
+        *x *= share;
+    }
+    weigh(weight, &r->terms, i, radiance);
+}
+
+/* rgb_luminance of eight. */
+static f32x8 luminance8(const rgb radiance[])
+{
+    f32x8 c[3];
+    f32x8_columns(radiance, c);
+    return 0.2126f * c[0] + 0.7152f * c[1] + 0.0722f * c[2];
+}
+
 static void add_octet(struct row *r, const struct octet_samples *o, rgb radiance[])
 {
+    const struct stage *s = r->octet.stage;
     struct pixel *to = &r->pixel;
+    struct block *block = block_at(r, o->x_px);
     const uint32_t layers = r->out->layers;
+    const bool weighed = filter_is_signed(s) || s->settings.clamp > 0;
+    const f32x8 luminance = luminance8(radiance);
     if (o->s_begin == r->out->pass.s_begin)
         pixel_begin(r);
     for (uint32_t sample = o->s_begin; sample < o->s_end; sample++) {
         const uint32_t i = sample % FILM_REPLICATES;
+        float x = luminance[i];
         if (layers)
-            layer_surface(r->octet.stage, layers, &r->octet.starts, &r->octet.rng.replicate[i],
-                          sample, to->layers);
+            layer_surface(s, layers, &r->octet.starts, &r->octet.rng.replicate[i], sample,
+                          to->layers);
         if (!is_valid(radiance[i])) {
             film_samples_note_invalid(r->out, (struct film_key){o->x_px, r->octet.y_px, sample});
             continue;
         }
-        if (filter_is_signed(r->octet.stage))
-            weigh(o->weight[i], &r->terms, i, &radiance[i]);
+        if (weighed)
+            weigh_valid(r, o, i, &radiance[i], &x);
+        block_add(block, x);
         to->sums[i] += f64x4_of(radiance[i]);
         if (r->terms.count)
             layer_bounces(layers, &r->terms, i, radiance[i], to->layers);
@@ -188,9 +285,33 @@ static void add_octet(struct row *r, const struct octet_samples *o, rgb radiance
         pixel_end(r);
 }
 
+/* Follows one of the octet's samples beyond the cut, if it is its block's turn. */
+__attribute__((noinline)) static void probe_octet(struct row *r, const struct octet_samples *o,
+                                                  const rgb radiance[])
+{
+    const struct stage *s = r->octet.stage;
+    const struct tile_rect rect = r->out->rect;
+    const uint32_t y = r->octet.y_px, first = o->s_begin - o->s_begin % FILM_REPLICATES;
+    const struct probe p = probe_choose(s, o->x_px - (o->x_px - rect.x_begin) % BLOCK_PX,
+                                        y - (y - rect.y_begin) % BLOCK_PX, first / FILM_REPLICATES);
+    const struct film_key key = {p.x_px, p.y_px, first + p.replicate};
+    if (key.x_px != o->x_px || key.y_px != y || key.sample < o->s_begin || key.sample >= o->s_end)
+        return;
+    const rgb all = sample_alone(s, key, s->settings.max_bounces + PROBE_BOUNCES);
+    if (!is_valid(all) || !is_valid(radiance[p.replicate]))
+        return;
+    const float weight = filter_is_signed(s) ? o->weight[p.replicate] : 1;
+    const float x = rgb_luminance(all - radiance[p.replicate]) * weight;
+    block_at(r, o->x_px)->cut += (double)x * BLOCK_PROBE_RATE;
+}
+
 static void row_flush(struct row *r)
 {
     wave_finish(&r->wave);
+    const bool cut = r->wave.cut || r->octet.stage->settings.max_bounces == 0;
+    for (uint32_t i = 0; cut && i < r->count; i++)
+        probe_octet(r, &r->octets[i], r->radiance + i * FILM_REPLICATES);
+    r->wave.cut = 0;
     for (uint32_t i = 0; i < r->count; i++)
         add_octet(r, &r->octets[i], r->radiance + i * FILM_REPLICATES);
     r->count = 0;
@@ -203,9 +324,10 @@ static void row_pixel(struct row *r, uint32_t x_px)
     for (uint32_t i = pass.s_begin, end; i < pass.s_end; i = end) {
         const uint32_t first = i - i % FILM_REPLICATES;
         end = min_u32(first + FILM_REPLICATES, pass.s_end);
+        const uint32_t which = (1u << (end - first)) - (1u << (i - first));
         octet_go(&r->octet, first / FILM_REPLICATES);
-        octet_put(&r->octet, (1u << (end - first)) - (1u << (i - first)), &r->wave,
-                  r->count * FILM_REPLICATES);
+        octet_put(&r->octet, which, &r->wave, r->count * FILM_REPLICATES);
+        block_at(r, x_px)->met += (uint64_t)__builtin_popcount(which & r->octet.starts.met);
         r->octets[r->count++] = (struct octet_samples){r->octet.weight, x_px, i, end};
         if (r->count == ROW_OCTETS || r->out->layers)
             row_flush(r);
@@ -222,6 +344,7 @@ void render_row(const struct stage *s, struct film_samples *out, uint32_t y_px)
     r.channels = layers_channels(out->layers);
     r.sums = out->sums + before * FILM_CHANNELS;
     r.layers = r.channels ? out->layer_sums + before * r.channels : NULL;
+    r.blocks = out->blocks + (y_px - rect.y_begin) / BLOCK_PX * block_columns(rect);
     r.terms.count = layers_bounces(out->layers);
     r.count = 0;
     r.octet.stage = s;
@@ -230,7 +353,9 @@ void render_row(const struct stage *s, struct film_samples *out, uint32_t y_px)
     for (uint32_t x = rect.x_begin; x < rect.x_end; x++)
         row_pixel(&r, x);
     row_flush(&r);
+    r.wave.work.units = work_units(s, &r.wave.work);
     film_work_add(&out->work, &r.wave.work);
+    out->dropped = (struct film_dropped){s->dropped_degenerate, s->dropped_nonfinite};
 }
 
 void render_tile(const struct stage *s, struct film_samples *out)

@@ -28,6 +28,13 @@ static inline vec3 shading_bend(vec3 ns, vec3 ng, vec3 wo)
     return vec3_unit(wo + vec3_unit(r + (least - rise) * ng));
 }
 
+/* ns, or where it is not above the surface, or all but level with it, raised to just above it. */
+static inline vec3 shading_rise(vec3 ns, vec3 ng)
+{
+    const float least = 0x1p-10f, rise = vec3_dot(ns, ng);
+    return rise < least ? vec3_unit(ns + (least - rise) * ng) : ns;
+}
+
 /* A local direction on the wrong side of z, moved to just on the right one: side is 1 or -1. */
 static inline vec3 shading_raise(vec3 w, float side)
 {

@@ -38,6 +38,7 @@ static const struct row rows[] = {
     ROW(uvs, struct stage_uv),
     ROW(colors, struct stage_color),
     ROW(slots, struct material_slot),
+    ROW(reliefs, struct material_relief),
     ROW(textures, struct stage_texture),
     ROW(pyramids, struct stage_pyramid),
     ROW(bytes8, struct stage_bytes),

@@ -180,6 +180,7 @@ struct emitter {
     enum emitter_kind kind;
     uint32_t prim;            /* EMITTER_PRIM */
     struct stage_place place; /* EMITTER_PRIM */
+    uint32_t texture;         /* EMITTER_PRIM: radiance is multiplied by it; STAGE_NONE: none */
     float radiance[3];        /* PRIM, SUN: radiance; POINT, SPOT: intensity; DISTANT: irradiance;
                                * MAP: of a pixel value of 1 */
     float at[3];              /* POINT, SPOT: position; DISTANT, SUN: direction of travel, unit */
@@ -286,6 +287,11 @@ struct stage_bodies {
     uint32_t material[STAGE_BODIES];
 };
 
+/* What is counted (struct film_work) in units of work, each (work.h). */
+struct stage_prices {
+    uint32_t camera_ray, bounce_ray, shadow_ray, plain_vertex, other_vertex;
+};
+
 struct stage {
     char magic[8];         /* STAGE_MAGIC */
     uint32_t version;      /* STAGE_VERSION */
@@ -305,12 +311,14 @@ struct stage {
 
     uint32_t prim_count;
     uint32_t wrapped, masked; /* 1: there are materials made of others; among them masks */
+    uint32_t glowing;         /* 1: there are emitters with textures */
     uint32_t guide_shift;
     uint32_t far_begin, beyond_begin; /* among the emitters: see there */
 
     uint32_t media;             /* what the scene uses of medium.h */
     struct stage_bodies around; /* the camera, when media is not 0 */
     float cone_width, cone_spread; /* of camera rays (cone.h), when there are pyramids */
+    struct stage_prices prices;
 
     /* Only spans from here to the end: stage_check knows them by their place. */
     struct stage_span shapes; /* struct stage_shape, and one more, whose prim_begin is prim_count */
@@ -334,6 +342,7 @@ struct stage {
     struct stage_span uvs;       /* struct stage_uv */
     struct stage_span colors;    /* struct stage_color */
     struct stage_span slots;     /* struct material_slot */
+    struct stage_span reliefs;   /* struct material_relief */
     struct stage_span textures;  /* struct stage_texture */
     struct stage_span pyramids;  /* struct stage_pyramid */
     struct stage_span bytes8;    /* struct stage_bytes, one if anything is kept in bytes */

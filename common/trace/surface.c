@@ -182,8 +182,9 @@ static struct surface met_cylinder(const struct stage *s, const struct ray *ray,
 }
 
 static inline struct surface point_at(const struct stage *s, const struct ray *ray,
-                                      const struct ray_hit *hit, struct stage_id id)
+                                      const struct ray_hit *hit)
 {
+    const struct stage_id id = {hit->prim, hit->place, hit->instance};
     const vec3 p = ray->origin + hit->t * ray->dir;
     switch ((enum stage_kind)id.place.kind) {
     case STAGE_TRIANGLE:
@@ -202,15 +203,20 @@ static inline struct surface point_at(const struct stage *s, const struct ray *r
     __builtin_unreachable();
 }
 
+struct surface surface_point_at(const struct stage *s, const struct ray *ray,
+                                const struct ray_hit *hit)
+{
+    return point_at(s, ray, hit);
+}
+
 struct surface surface_at(const struct stage *s, const struct ray *ray, const struct ray_hit *hit)
 {
-    const struct stage_id id = {hit->prim, hit->place, hit->instance};
-    struct surface at = point_at(s, ray, hit, id);
-    const uint32_t shape = id.instance == STAGE_NONE ? stage_shape_of(s, id.prim)
-                                                     : stage_instance_at(s, id.instance)->shape;
+    struct surface at = point_at(s, ray, hit);
+    const uint32_t shape = hit->instance == STAGE_NONE ? stage_shape_of(s, hit->prim)
+                                                       : stage_instance_at(s, hit->instance)->shape;
     const struct stage_shape *of = (const struct stage_shape *)stage_at(s, s->shapes) + shape;
     at.material = of->material;
     if (of->emitter_begin != STAGE_NONE)
-        at.emitter = of->emitter_begin + id.prim - of->prim_begin;
+        at.emitter = of->emitter_begin + hit->prim - of->prim_begin;
     return at;
 }

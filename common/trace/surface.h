@@ -36,6 +36,9 @@ static inline bool surface_is_near_edge(const struct ray_hit *hit)
     return hit->u < near || hit->v < near || 1 - hit->u - hit->v < near;
 }
 
+/* The same for who knows the shape: material and emitter are STAGE_NONE. */
+struct surface surface_point_at(const struct stage *, const struct ray *, const struct ray_hit *);
+
 /* A point chosen on a primitive by light sampling, with the same guarantees. What shape it is of is
  * not looked up: material and emitter are STAGE_NONE. */
 struct surface surface_on_triangle(const struct stage *, struct stage_id, float u, float v);

@@ -2,11 +2,9 @@
 #include "common/trace/surface_detail.h"
 
 #include "common/trace/cylinder.h"
+#include "common/trace/shading.h"
 
 #define TURN (2 * FMATH_PI)
-
-/* The shading normal is never flatter above the surface than this cosine. */
-#define LEAST_RISE 0x1p-10f
 
 /* --- sphere, cylinder, disc --- */
 
@@ -153,11 +151,7 @@ static vec3 shading_normal(const struct stage *s, const struct stage_detail *d,
     const float length = vec3_length(ns);
     if (!(length > 0))
         return ng;
-    ns /= c->back ? -length : length;
-    const float rise = vec3_dot(ns, ng);
-    if (rise < LEAST_RISE)
-        ns = vec3_unit(ns + (LEAST_RISE - rise) * ng);
-    return ns;
+    return shading_rise(ns / (c->back ? -length : length), ng);
 }
 
 /* What a corner's tangent plane adds, by its weight; n: of any length, on the wanted side. */
@@ -167,7 +161,7 @@ static vec3 raise_by(vec3 p, const float corner[3], vec3 n, float weight)
     return below < 0 ? -weight * below / nn * n : vec3_make(0, 0, 0);
 }
 
-float surface_detail_edge(const struct stage *s, const struct ray_hit *hit)
+static float edge_of_triangle(const struct stage *s, const struct ray_hit *hit)
 {
     const struct stage_triangle t = stage_triangle_at(s, hit->place.index, hit->instance);
     const vec3 a = vec3_load(t.v[0]), ab = vec3_load(t.v[1]) - a, ac = vec3_load(t.v[2]) - a;
@@ -175,6 +169,31 @@ float surface_detail_edge(const struct stage *s, const struct ray_hit *hit)
     const float longest =
         rgb_max(vec3_make(vec3_dot(ab, ab), vec3_dot(ac, ac), vec3_dot(ac - ab, ac - ab)));
     return (w < uv ? w : uv) * vec3_length(vec3_cross(ab, ac)) / __builtin_sqrtf(longest);
+}
+
+float surface_detail_edge(const struct stage *s, const struct ray_hit *hit,
+                          const struct surface *at)
+{
+    const uint32_t index = hit->place.index;
+    switch ((enum stage_kind)hit->place.kind) {
+    case STAGE_TRIANGLE:
+        return edge_of_triangle(s, hit);
+    case STAGE_SPHERE:
+        break;
+    case STAGE_DISC: {
+        const struct stage_disc *d = (const struct stage_disc *)stage_at(s, s->discs) + index;
+        return d->radius - vec3_length(at->p - vec3_load(d->center));
+    }
+    case STAGE_CYLINDER: {
+        const struct stage_cylinder *c =
+            (const struct stage_cylinder *)stage_at(s, s->cylinders) + index;
+        const vec3 axis = vec3_load(c->axis);
+        const float length = vec3_length(axis);
+        const float along = vec3_dot(at->p - vec3_load(c->from), axis) / length;
+        return along < length - along ? along : length - along;
+    }
+    }
+    return __builtin_inff();
 }
 
 bool surface_detail_raise(const struct stage *s, const struct stage_detail *d,
@@ -194,7 +213,7 @@ bool surface_detail_raise(const struct stage *s, const struct stage_detail *d,
     *raised = at->p + way;
     /* Next to an edge nobody knows on which side of the next triangle the point is. */
     return vec3_dot(way, up) > 4 * error &&
-           surface_detail_edge(s, hit) > 8 * error; /* not for a NaN */
+           edge_of_triangle(s, hit) > 8 * error; /* not for a NaN */
 }
 
 static void on_triangle(const struct stage *s, const struct stage_detail *d,

@@ -58,8 +58,8 @@ struct surface_detail surface_detail_at(const struct stage *, const struct stage
 bool surface_detail_raise(const struct stage *, const struct stage_detail *, const struct ray_hit *,
                           const struct surface *at, float side, vec3 *raised);
 
-/* How far a hit on a triangle is from the nearest edge, or less. */
-float surface_detail_edge(const struct stage *, const struct ray_hit *);
+/* How far a hit is from the nearest edge of its primitive, or less; a sphere has none. */
+float surface_detail_edge(const struct stage *, const struct ray_hit *, const struct surface *at);
 
 /* Right-handed: z is ns, x the direction across it in which u grows. No NaN. */
 struct warp_frame surface_detail_frame(vec3 ns, vec3 dp_du);

@@ -183,3 +183,54 @@ struct texture_value texture_at(const struct stage *s, uint32_t texture,
     }
     __builtin_unreachable();
 }
+
+float texture_channel(const struct texture_value *t, enum material_channel channel)
+{
+    switch (channel) {
+    case MATERIAL_CHANNEL_LUMINANCE:
+        return rgb_luminance(t->color);
+    case MATERIAL_CHANNEL_R:
+        return t->color[0];
+    case MATERIAL_CHANNEL_G:
+        return t->color[1];
+    case MATERIAL_CHANNEL_B:
+        return t->color[2];
+    case MATERIAL_CHANNEL_A:
+        return t->alpha;
+    }
+    __builtin_unreachable();
+}
+
+/* Texels that the footprint is wide, of those of level 0: as trilinear looks at them. */
+static float texels_wide(const struct stage_texture *t, const struct stage_pyramid *p,
+                         const struct texture_point *at)
+{
+    const uint32_t side = p->width_px > p->height_px ? p->width_px : p->height_px;
+    if (t->filter != TEXTURE_TRILINEAR)
+        return 1;
+    const float wide =
+        __builtin_sqrtf(at->area * t->uv_area * (float)p->width_px * (float)p->height_px);
+    return wide > (float)side ? (float)side : wide > 1 ? wide : 1;
+}
+
+struct texture_slope texture_slope(const struct stage *s, uint32_t texture,
+                                   const struct texture_point *at, enum material_channel channel)
+{
+    const struct stage_texture *t =
+        (const struct stage_texture *)stage_at(s, s->textures) + texture;
+    const struct stage_pyramid *p =
+        (const struct stage_pyramid *)stage_at(s, s->pyramids) + t->pyramid;
+    const float side_px[2] = {(float)p->width_px, (float)p->height_px};
+    float slope[2];
+    for (int k = 0; k < 2; k++) {
+        const float scale = t->uv_scale[k] < 0 ? -t->uv_scale[k] : t->uv_scale[k];
+        const float half = 0.5f * texels_wide(t, p, at) / (side_px[k] * scale);
+        struct texture_point before = *at, after = *at;
+        *(k ? &before.v : &before.u) -= half;
+        *(k ? &after.v : &after.u) += half;
+        const struct texture_value a = texture_at(s, texture, &before);
+        const struct texture_value b = texture_at(s, texture, &after);
+        slope[k] = (texture_channel(&b, channel) - texture_channel(&a, channel)) / (2 * half);
+    }
+    return (struct texture_slope){slope[0], slope[1]};
+}

@@ -27,6 +27,17 @@ struct texture_value {
 struct texture_value texture_at(const struct stage *, uint32_t texture,
                                 const struct texture_point *);
 
+float texture_channel(const struct texture_value *, enum material_channel);
+
+/* How fast a channel of an image grows along u and v, per unit of them: the difference over as much
+ * of the image as the ray is wide, a texel at least. */
+struct texture_slope {
+    float du, dv;
+};
+
+struct texture_slope texture_slope(const struct stage *, uint32_t texture,
+                                   const struct texture_point *, enum material_channel);
+
 /* --- of a pyramid alone --- */
 
 enum { TEXTURE_ALPHA = 3 }; /* the lane */

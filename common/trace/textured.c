@@ -18,23 +18,6 @@ struct texture_point textured_point(const struct stage *s, const struct ray *ray
     };
 }
 
-static float channel_of(const struct texture_value *t, enum material_channel channel)
-{
-    switch (channel) {
-    case MATERIAL_CHANNEL_LUMINANCE:
-        return rgb_luminance(t->color);
-    case MATERIAL_CHANNEL_R:
-        return t->color[0];
-    case MATERIAL_CHANNEL_G:
-        return t->color[1];
-    case MATERIAL_CHANNEL_B:
-        return t->color[2];
-    case MATERIAL_CHANNEL_A:
-        return t->alpha;
-    }
-    __builtin_unreachable();
-}
-
 static float keep(float v, const struct material_slot *slot)
 {
     return v < slot->lo ? slot->lo : v > slot->hi ? slot->hi : v;
@@ -50,7 +33,7 @@ static void fill(const struct stage *s, const struct material_slot *slot,
         const rgb kept = vec3_make(keep(c[0], slot), keep(c[1], slot), keep(c[2], slot));
         memcpy(member, &kept, sizeof kept);
     } else {
-        const float v = keep(slot->scale[0] * channel_of(&t, slot->channel), slot);
+        const float v = keep(slot->scale[0] * texture_channel(&t, slot->channel), slot);
         memcpy(member, &v, sizeof v);
     }
 }

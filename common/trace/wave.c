@@ -20,34 +20,24 @@ static struct path_vertex vertex_of_lane(const struct stage *s, const struct pat
                                          uint32_t i)
 {
     struct path_vertex out; /* its point stays unset: plain vertices have no textures */
-    out.at = (struct surface){.p = vec8_lane(&v->at.p, i),
-                              .p_error = vec8_lane(&v->at.p_error, i),
-                              .ng = vec8_lane(&v->at.ng, i),
-                              .prim = v->at.prim[i],
-                              .material = v->material[i],
-                              .emitter = v->emitter[i]};
+    out.at = path8_surface(s, v, i);
     out.frame = warp_frame_make(out.at.ng);
-    out.material = (const struct material *)stage_at(s, s->materials) + v->material[i];
+    out.material = path8_material(s, v, i);
     out.wo = vec8_lane(&v->wo, i);
     out.raised.is = false;
-    out.at.lit = path_lit(s, out.material, out.wo[2]);
     return out;
 }
 
-static struct path path_of_lane(const struct wave *w, uint32_t i)
-{
-    return (struct path){.work = w->paths[i].work,
-                         .light = vec8_lane(&w->lanes.light, i),
-                         .throughput = vec8_lane(&w->lanes.throughput, i),
-                         .scale = w->lanes.scale[i],
-                         .pdf_w = w->lanes.pdf_w[i],
-                         .vertex = vertex_of_lane(w->stage, &w->lanes.vertex, i)};
-}
-
-/* Out of the lanes; and into them, but for the vertex, which is left behind. */
+/* Out of the lanes, but for all of the vertex that arriving at the next one does not ask for; and
+ * into them, but for the vertex, which is left behind. */
 static void leave_lanes(struct wave *w, uint32_t i)
 {
-    w->paths[i] = path_of_lane(w, i);
+    struct path *p = &w->paths[i];
+    p->light = vec8_lane(&w->lanes.light, i);
+    p->throughput = vec8_lane(&w->lanes.throughput, i);
+    p->scale = w->lanes.scale[i];
+    p->pdf_w = w->lanes.pdf_w[i];
+    p->vertex.at = path8_surface(w->stage, w->lanes.vertex, i);
     w->plain &= ~(1u << i);
 }
 
@@ -106,12 +96,12 @@ void wave_begin(const struct stage *s, uint32_t which, const struct ray rays[],
             starts->hits[i] = hits[i];
         }
         starts->light[i] = found & bit ? rgb_gray(0) : path_beyond(s, rays[i].dir, 0);
-        if (found & bit & ~starts->plain)
+        if (starts->plain & starts->lanes.shining & bit) {
+            starts->light[i] = path_radiance(s, starts->lanes.emitter[i]);
+        } else if (found & ~starts->plain & bit) {
             starts->vertices[i] =
                 path_vertex_make(s, &rays[i], &hits[i], starts->cones[i].width, work);
-        if (found & bit & ~(starts->plain & ~starts->lanes.shining)) {
-            const struct path_vertex v = wave_first(s, starts, i);
-            starts->light[i] = path_emission(s, &v);
+            starts->light[i] = path_emission(s, &starts->vertices[i]);
         }
     }
 }
@@ -123,16 +113,25 @@ struct path_vertex wave_first(const struct stage *s, const struct wave_starts *s
 
 /* --- from vertices to rays --- */
 
-static void draw(struct wave *w)
+/* Whether sampling looks at it somewhere. */
+static bool needs_lobe(const struct wave *w)
 {
+    const struct path8_vertex *v = w->lanes.vertex;
     bool lobes = false;
+    for (uint32_t left = w->going & w->plain & ~v->diffuse; left; left &= left - 1)
+        lobes = lobes || bsdf_has_lobes(path8_material(w->stage, v, lowest(left)));
     for (uint32_t left = w->going & ~w->plain; left; left &= left - 1)
         lobes = lobes || bsdf_has_lobes(w->paths[lowest(left)].vertex.material);
+    return lobes;
+}
+
+static void draw(struct wave *w)
+{
     w->draw.direction = rng8_pair(&w->rng, rng_dimension(0, RNG_BSDF_DIRECTION));
     if (w->stage->emitters.count > 0)
         w->lamp = rng8_pair_bits(&w->rng, rng_dimension(0, RNG_LIGHT));
-    if (lobes)
-        w->lobe = rng8_single(&w->rng, rng_dimension(0, RNG_BSDF_LOBE));
+    if (needs_lobe(w))
+        w->draw.lobe = rng8_single(&w->rng, rng_dimension(0, RNG_BSDF_LOBE));
     w->draw.first = w->bounce == 0;
     w->draw.may_end = w->bounce >= w->roulette_begin;
     if (w->going & i32x8_mask(w->draw.may_end))
@@ -150,18 +149,16 @@ struct direct {
 static void look_at_lights(struct wave *w, struct direct *d)
 {
     const struct stage *s = w->stage;
-    const uint32_t lanes = light8_can(s) ? w->going & w->plain : 0;
+    struct light_pick picks[WAVE_LANES], *const picked = s->light_nodes.count ? picks : NULL;
+    const struct path8_lamps lamps = {w->going & w->plain, &w->lamp, picked};
     d->lanes = d->others = 0;
     if (s->emitters.count == 0)
         return;
-    if (lanes)
-        d->lanes = lanes & path8_light_directly(s, &w->lanes, &w->lamp, w->shadows, &d->of_lanes);
-    struct light_pick picks[WAVE_LANES], *const picked = s->light_nodes.count ? picks : NULL;
-    for (uint32_t left = w->going & w->plain & ~lanes; left; left &= left - 1)
-        w->paths[lowest(left)] = path_of_lane(w, lowest(left));
     if (picked)
         wave_pick(w, picks);
-    for (uint32_t left = w->going & ~lanes; left; left &= left - 1) {
+    if (lamps.lanes)
+        d->lanes = path8_light_directly(s, &w->lanes, &lamps, w->shadows, &d->of_lanes);
+    for (uint32_t left = w->going & ~w->plain; left; left &= left - 1) {
         const uint32_t i = lowest(left);
         const struct path_lamp lamp = {{w->lamp.u[i], w->lamp.v[i]}, picked ? &picked[i] : NULL};
         if (path_light_directly(s, &w->paths[i], &lamp, &w->shadows[i], &d->of_others[i]))
@@ -211,12 +208,12 @@ static uint32_t scatter(struct wave *w)
 {
     uint32_t next = w->going & w->plain;
     if (next)
-        next &= path8_scatter(&w->lanes, &w->draw, w->rays);
+        next = path8_scatter(w->stage, &w->lanes, next, &w->draw, w->rays);
     for (uint32_t left = w->going & ~w->plain; left; left &= left - 1) {
         const uint32_t i = lowest(left);
         const struct path_draw one = {
             .direction = {w->draw.direction.u[i], w->draw.direction.v[i]},
-            .lobe = w->lobe[i],
+            .lobe = w->draw.lobe[i],
             .roulette = w->draw.roulette[i],
             .first = w->draw.first[i] != 0,
             .may_end = w->draw.may_end[i] != 0,
@@ -240,25 +237,29 @@ static void leave_scene(struct wave *w, uint32_t which)
     }
     for (; which; which &= which - 1) {
         const uint32_t i = lowest(which);
-        if (w->plain >> i & 1)
-            leave_lanes(w, i);
-        struct path *p = &w->paths[i];
-        p->light += p->throughput * path_beyond(s, w->rays[i].dir, p->pdf_w);
+        const bool lane = w->plain >> i & 1;
+        const float pdf_w = lane ? w->lanes.pdf_w[i] : w->paths[i].pdf_w;
+        const rgb share = lane ? vec8_lane(&w->lanes.throughput, i) : w->paths[i].throughput;
+        add_to_path(w, i, share * path_beyond(s, w->rays[i].dir, pdf_w));
     }
 }
 
 /* A vertex in lanes that emits. lane: the path has come from there, too. */
 static void find_emission(struct wave *w, const struct path8_vertex *at, uint32_t i, bool lane)
 {
-    struct path p = lane ? path_of_lane(w, i) : w->paths[i];
-    const struct path_vertex v = vertex_of_lane(w->stage, at, i);
-    path_arrive(w->stage, &p, &v);
-    vec8_set_lane(&w->lanes.light, i, p.light);
+    const struct stage *s = w->stage;
+    const struct surface from = lane ? path8_surface(s, w->lanes.vertex, i) : w->paths[i].vertex.at;
+    const struct surface on = path8_surface(s, at, i);
+    const rgb found = vec8_lane(&w->lanes.throughput, i) * path_radiance(s, on.emitter);
+    add_to_path(w, i, found * path_emission_weight(s, &from, &on, w->lanes.pdf_w[i]));
 }
 
-static uint32_t not_cut(const struct wave *w)
+/* Of paths that have a vertex to go on from, those that may. */
+static uint32_t not_cut(struct wave *w, uint32_t found)
 {
-    return i32x8_mask(w->bounce + 1 < w->stage->settings.max_bounces);
+    const uint32_t left = found & i32x8_mask(w->bounce + 1 < w->max_bounces);
+    w->cut |= found & ~left;
+    return left;
 }
 
 /* There no vertex is plain. */
@@ -272,7 +273,7 @@ static void arrive_in_media(struct wave *w, uint32_t which, uint32_t found,
                                            w->cones[i].width, &w->rngs[i], w->bounce[i] + 1};
         w->going |= (uint32_t)path_media_arrive(w->stage, &w->paths[i], &way) << i;
     }
-    w->going &= not_cut(w);
+    w->going = not_cut(w, w->going);
 }
 
 /* Along the rays, to what they have met. */
@@ -289,7 +290,7 @@ static void arrive(struct wave *w, uint32_t which)
 {
     const struct stage *s = w->stage;
     struct ray_hit hits[WAVE_LANES];
-    struct path8_vertex at;
+    struct path8_vertex *at = &w->vertices[w->lanes.vertex == w->vertices];
     uint32_t found = bvh_hit_closest_8(s, which, w->rays, hits);
     if (s->masked)
         found = path_mask_pass(
@@ -301,7 +302,7 @@ static void arrive(struct wave *w, uint32_t which)
         return;
     }
     leave_scene(w, which & ~found);
-    const uint32_t plain = path8_arrive(s, found, w->rays, hits, &at);
+    const uint32_t plain = path8_arrive(s, found, w->rays, hits, at);
     for (uint32_t left = found & ~plain; left; left &= left - 1) {
         const uint32_t i = lowest(left);
         const struct path_vertex v =
@@ -313,11 +314,11 @@ static void arrive(struct wave *w, uint32_t which)
     const uint32_t were_plain = w->plain;
     for (uint32_t left = plain & ~were_plain; left; left &= left - 1)
         enter_lanes(w, lowest(left));
-    for (uint32_t left = plain & at.shining; left; left &= left - 1)
-        find_emission(w, &at, lowest(left), were_plain >> lowest(left) & 1);
+    for (uint32_t left = plain & at->shining; left; left &= left - 1)
+        find_emission(w, at, lowest(left), were_plain >> lowest(left) & 1);
     if (plain)
         w->lanes.vertex = at;
-    w->going = found & not_cut(w);
+    w->going = not_cut(w, found);
 }
 
 /* --- the way of a path --- */
@@ -363,13 +364,18 @@ void wave_init(struct wave *w, const struct stage *s, uint32_t roulette_begin,
 {
     w->stage = s;
     w->roulette_begin = roulette_begin;
+    w->max_bounces = s->settings.max_bounces;
+    w->cut = 0;
     w->terms = terms;
     w->radiance = radiance;
     w->work = (struct film_work){0};
-    for (int i = 0; i < WAVE_LANES; i++)
+    for (int i = 0; i < WAVE_LANES; i++) {
         w->paths[i].work = &w->work;
+        w->paths[i].media = s->media ? &w->media[i] : NULL;
+    }
     w->going = w->plain = 0;
-    w->lobe = w->draw.roulette = (f32x8){0};
+    w->lanes.vertex = w->vertices;
+    w->draw.lobe = w->draw.roulette = (f32x8){0};
 }
 
 /* Paths from starts k[i] into the lanes i, which are free. */
@@ -377,19 +383,15 @@ static void begin_paths(struct wave *w, uint32_t lanes, const struct wave_starts
 {
     const i32x8 m = i32x8_of_bits(lanes);
     const f32x8 one = f32x8_splat(1);
+    const uint32_t plain = path8_bits_take(m, starts->plain, k);
     w->going |= lanes;
-    w->plain &= ~lanes;
+    w->plain = (w->plain & ~lanes) | plain;
     w->bounce = (u32x8)((i32x8)w->bounce & ~m);
     w->lanes.light = vec8_take(m, vec8_gather(starts->light), k, w->lanes.light);
     w->lanes.throughput = vec8_choose(m, (struct vec8){one, one, one}, w->lanes.throughput);
-    path8_vertex_take(&w->lanes.vertex, m, &starts->lanes, k);
-    for (; lanes; lanes &= lanes - 1) {
+    path8_vertex_take(&w->vertices[w->lanes.vertex != w->vertices], m, &starts->lanes, k);
+    for (lanes &= ~plain; lanes; lanes &= lanes - 1) {
         const uint32_t i = lowest(lanes), start = k[i];
-        if (starts->plain >> start & 1) {
-            w->plain |= 1u << i;
-            continue;
-        }
-        w->paths[i].media = NULL;
         w->paths[i].light = starts->light[start];
         w->paths[i].throughput = rgb_gray(1);
         w->paths[i].vertex = starts->vertices[start];
@@ -402,14 +404,13 @@ static bool begin_in_media(struct wave *w, uint32_t i, const struct wave_starts 
                            const struct rng *rng)
 {
     struct path *p = &w->paths[i];
-    p->media = &w->media[i];
     p->light = rgb_gray(0);
     p->throughput = rgb_gray(1);
     p->vertex.at.p = starts->origins[k];
     const struct path_media_way way = {&starts->rays[k],
                                        starts->met >> k & 1 ? &starts->hits[k] : NULL,
                                        starts->cones[k].width, rng, 0};
-    const bool goes_on = path_media_begin(w->stage, p, &way) && w->stage->settings.max_bounces > 0;
+    const bool goes_on = path_media_begin(w->stage, p, &way) && w->max_bounces > 0;
     w->going |= (uint32_t)goes_on << i;
     w->plain &= ~(1u << i);
     if (w->terms)
@@ -463,9 +464,11 @@ void wave_put(struct wave *w, uint32_t which, const struct wave_starts *starts,
             taken |= 1u << i;
             k[i] = start;
             w->number[i] = number + start;
-            w->cones[i] = starts->cones[start];
+            if (w->stage->pyramids.count)
+                w->cones[i] = starts->cones[start];
             rng8_set_lane(&w->rng, i, &rngs[start]);
-            w->rngs[i] = rngs[start];
+            if (w->stage->masked)
+                w->rngs[i] = rngs[start];
         }
         begin_paths(w, taken, starts, k);
     }

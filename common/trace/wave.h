@@ -48,6 +48,8 @@ struct wave_terms {
 struct wave {
     const struct stage *stage;
     uint32_t roulette_begin;
+    uint32_t max_bounces;     /* the settings'; the caller may set another before paths are put */
+    uint32_t cut;             /* not 0: of the paths so far, some have ended there alone */
     rgb *radiance;            /* by the path's number; the caller's */
     struct film_work work;    /* of all paths so far, but for their starts */
     struct wave_terms *terms; /* or NULL; the caller's */
@@ -55,6 +57,7 @@ struct wave {
     uint32_t going; /* lanes with a path that has a vertex to go on from */
     uint32_t plain; /* where the path is: in lanes, or in paths */
     struct path8 lanes;
+    struct path8_vertex vertices[2]; /* one is where the lanes are, the other for the next */
     struct path paths[WAVE_LANES];
     struct path_media media[WAVE_LANES];  /* of paths in a scene with media */
     uint32_t number[WAVE_LANES];          /* the path's */
@@ -68,7 +71,6 @@ struct wave {
      */
     struct sobol8_bits lamp;
     struct path8_draw draw;
-    f32x8 lobe;
 
     struct ray rays[WAVE_LANES], shadows[WAVE_LANES];
 };

@@ -12,7 +12,7 @@ void wave_draw_otherwise(struct wave *w)
     w->draw.may_end = w->bounce >= w->roulette_begin;
     w->draw.direction = sampler_pair(how, &w->rng, rng_dimension(0, RNG_BSDF_DIRECTION));
     w->lamp = sampler_pair_bits(how, &w->rng, rng_dimension(0, RNG_LIGHT));
-    w->lobe = sampler_single(how, &w->rng, rng_dimension(0, RNG_BSDF_LOBE));
+    w->draw.lobe = sampler_single(how, &w->rng, rng_dimension(0, RNG_BSDF_LOBE));
     w->draw.roulette = sampler_single(how, &w->rng, rng_dimension(0, RNG_ROULETTE));
 }
 

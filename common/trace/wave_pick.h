@@ -6,7 +6,7 @@
 #include "common/trace/light.h"
 #include "common/trace/wave.h"
 
-/* For all that go on, which are in w->paths, with the numbers of w->lamp. A path that has no use
+/* For all that go on, with the numbers of w->lamp. A path that has no use
  * for a light gets none. */
 void wave_pick(const struct wave *, struct light_pick picks[WAVE_LANES]);
 

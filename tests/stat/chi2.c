@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "common/arena.h"
-#include "tests/stat/special.h"
+#include "common/special.h"
 #include "tests/stat/stat.h"
 
 struct cell {

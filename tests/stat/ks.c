@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "tests/stat/special.h"
+#include "common/special.h"
 #include "tests/stat/stat.h"
 
 static int order(const void *a, const void *b)

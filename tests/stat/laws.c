@@ -122,9 +122,14 @@ static void report(const char *name, const struct worst *w, double most)
 
 void laws_obeyed(const struct material *m, const char *name)
 {
+    laws_obeyed_from(m, name, 3);
+}
+
+void laws_obeyed_from(const struct material *m, const char *name, uint32_t quick_views)
+{
     static uint64_t order;
     const uint64_t k = order++;
-    const uint32_t views = STAT_SLOW > 1 ? 1 : stat_tries(3, LAWS_VIEWS);
+    const uint32_t views = STAT_SLOW > 1 ? 1 : stat_tries(quick_views, LAWS_VIEWS);
     const struct scatter s = scatter_of(m);
     struct worst w = {.p = 1};
     for (uint32_t i = 0; i < views; i++) { /* 3 and 7 have no divisor in common with 20 */

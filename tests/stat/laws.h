@@ -25,4 +25,7 @@ void laws_begin(uint32_t materials);
 
 void laws_obeyed(const struct material *, const char *name);
 
+/* With other than 3 directions in the quick tier: for what takes long. */
+void laws_obeyed_from(const struct material *, const char *name, uint32_t quick_views);
+
 #endif

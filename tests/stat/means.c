@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#include "tests/stat/special.h"
+#include "common/special.h"
 
 struct means means_from_truth(const struct stat_mean *m, double truth)
 {

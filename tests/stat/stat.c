@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/stat/special.h"
+#include "common/special.h"
 
 bool stat_is_long(void)
 {

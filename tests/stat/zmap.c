@@ -5,7 +5,7 @@
 
 #include "common/arena.h"
 #include "tests/stat/ks.h"
-#include "tests/stat/special.h"
+#include "common/special.h"
 
 struct map {
     double *z;

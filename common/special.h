@@ -1,10 +1,10 @@
-/* special.h - the distributions that tests need, in double.
+/* special.h - the distributions that statistics need, in double.
  *
  * Every distribution is given by its upper tail, "the probability to exceed x", which keeps its
  * digits where decisions are made, and by its limit, "what is exceeded with that probability". A
  * dof of INFINITY makes Student's t normal. SPDX-License-Identifier: MIT */
-#ifndef TESTS_STAT_SPECIAL_H
-#define TESTS_STAT_SPECIAL_H
+#ifndef COMMON_SPECIAL_H
+#define COMMON_SPECIAL_H
 
 #include "common/base.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "tests/stat/special.h"
+#include "common/special.h"
 
 #include <math.h>
 

@@ -1,0 +1,304 @@
+/* SPDX-License-Identifier: MIT */
+#include "common/plan.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "common/base.h"
+
+/* The numbers of the rules. They were set on the scenes of `make bench-planner` that are not held
+ * out. */
+#define PILOT_SHARE    0.01 /* of the work that is expected, for all pilots together */
+#define CLOSE          1.05 /* a simpler method may cost so much more: its pilot has a price, too */
+#define MOST_TAIL      0.5
+#define MOST_THIN      0.05
+#define WIDE_LIGHT_SR  0.3 /* a light that surfaces find by themselves */
+#define SMALL_LIGHT_SR 0.05
+#define PEAKED_MAP     50.0
+
+enum { MOST_PIXELS = 4096, PILOT_SPP = 64, LEAST_SPP = 16 };
+
+static const struct plan_method methods[PLAN_REAL] = {
+    [PLAN_DIRECT] = {INTEGRATOR_DIRECT, STRATEGY_MIS, SAMPLER_SOBOL},
+    [PLAN_WHITTED] = {INTEGRATOR_WHITTED, STRATEGY_LIGHT, SAMPLER_SOBOL},
+    [PLAN_PATH_BSDF] = {INTEGRATOR_PATH, STRATEGY_BSDF, SAMPLER_SOBOL},
+    [PLAN_PATH_LIGHT] = {INTEGRATOR_PATH, STRATEGY_LIGHT, SAMPLER_SOBOL},
+    [PLAN_PATH_MIS] = {INTEGRATOR_PATH, STRATEGY_MIS, SAMPLER_SOBOL},
+};
+
+const char *plan_candidate_name(enum plan_candidate_kind k)
+{
+    static const char *const names[] = {
+        [PLAN_DIRECT] = "direct",         [PLAN_WHITTED] = "whitted",
+        [PLAN_PATH_BSDF] = "path, bsdf",  [PLAN_PATH_LIGHT] = "path, light",
+        [PLAN_PATH_MIS] = "path, mis",    [PLAN_BIDIRECTIONAL] = "bidirectional",
+        [PLAN_PHOTON_MAP] = "photon map", [PLAN_METROPOLIS] = "metropolis",
+    };
+    return names[k];
+}
+
+struct plan_names plan_names(enum plan_candidate_kind k)
+{
+    static const char *const integrators[] = {[INTEGRATOR_PATH] = "path",
+                                              [INTEGRATOR_DIRECT] = "direct",
+                                              [INTEGRATOR_WHITTED] = "whitted"};
+    static const char *const strategies[] = {
+        [STRATEGY_MIS] = "mis", [STRATEGY_LIGHT] = "light", [STRATEGY_BSDF] = "bsdf"};
+    return (struct plan_names){integrators[methods[k].integrator], strategies[methods[k].strategy]};
+}
+
+enum plan_candidate_kind plan_find(const char *integrator, const char *strategy)
+{
+    int k = 0;
+    for (; k < PLAN_REAL; k++) {
+        const struct plan_names n = plan_names((enum plan_candidate_kind)k);
+        if (!strcmp(n.integrator, integrator) && !strcmp(n.strategy, strategy))
+            break;
+    }
+    return (enum plan_candidate_kind)k;
+}
+
+const char *plan_class_name(enum plan_class c)
+{
+    static const char *const names[] = {
+        [PLAN_LE] = "LE",         [PLAN_LSE] = "LS+E",
+        [PLAN_LDE] = "LDE",       [PLAN_LDSE] = "LDS+E",
+        [PLAN_LSDE] = "LS+DE",    [PLAN_LSDSE] = "LS+DS+E",
+        [PLAN_LDDE] = "LDD+E",    [PLAN_LDDSE] = "LDD+S+E",
+        [PLAN_LSDDE] = "LS+DD+E", [PLAN_LSDDSE] = "LS+DD+S+E",
+    };
+    return names[c];
+}
+
+struct plan_method plan_method_of(const struct plan *p, enum plan_candidate_kind k)
+{
+    struct plan_method m = methods[k];
+    m.sampler = p->sampler;
+    return m;
+}
+
+void plan_init(struct plan *p, const struct scene_settings *s, uint64_t pixels)
+{
+    *p = (struct plan){
+        .error = s->target.error > 0 ? s->target.error : PLAN_ERROR,
+        .is_asked = s->target.error > 0,
+        .spp = s->target.spp,
+        .pixels = pixels,
+        .max_bounces = s->max_bounces,
+        .sampler = s->sampler,
+        .chosen = PLAN_PATH_MIS,
+    };
+}
+
+/* --- which are worth a pilot --- */
+
+PRINTF(3, 4)
+static void rule(struct plan_candidate *c, enum plan_verdict verdict, const char *fmt, ...)
+{
+    va_list args;
+    va_start(args, fmt);
+    c->verdict = verdict;
+    vsnprintf(c->why, sizeof c->why, fmt, args);
+    va_end(args);
+}
+
+static double sum_of(const double of_class[])
+{
+    double sum = 0;
+    for (int i = 0; i < PLAN_CLASSES; i++)
+        sum += of_class[i];
+    return sum;
+}
+
+/* A method that leaves light out is considered only if none of it was found. A share of half of the
+ * error would be allowed, but what counts is each pixel's error: where light comes by no other way,
+ * in a shadow, all is gone, and one pixel in 4 / error^2 is too many already. No pilot sees that.
+ */
+static void consider_biased(struct plan_candidate *c, double share, double error)
+{
+    c->lacks += share;
+    if (share > 0)
+        rule(c, PLAN_INSUFFICIENT,
+             "leaves out %.3g %% of the light (+- %.2g), and all in some pixels", 100 * share,
+             200 * error);
+}
+
+static uint32_t shared_lights(const struct plan_features *f)
+{
+    return f->emitters[PLAN_SURFACE] + f->emitters[PLAN_SUN] + f->emitters[PLAN_MAP];
+}
+
+static void consider_bsdf(const struct plan_features *f, struct plan_candidate *c)
+{
+    if (f->emitters[PLAN_MAP] && f->map_peak > PEAKED_MAP)
+        rule(c, PLAN_RULED_OUT, "the environment has pixels %.3g times as bright as its mean",
+             f->map_peak);
+    else if (!f->emitters[PLAN_MAP] && f->solid_angle < WIDE_LIGHT_SR)
+        rule(c, PLAN_RULED_OUT, "the largest light fills %.2g sr, below %.2g", f->solid_angle,
+             WIDE_LIGHT_SR);
+}
+
+static void consider_light(const struct plan_features *f, struct plan_candidate *c)
+{
+    if (f->lobes[PLAN_NARROW] || f->lobes[PLAN_GLOSSY])
+        rule(c, PLAN_RULED_OUT, "there are glossy surfaces, that find lights by themselves");
+    else if (f->emitters[PLAN_MAP] || f->solid_angle > SMALL_LIGHT_SR)
+        rule(c, PLAN_RULED_OUT, "there are lights above %.2g sr", SMALL_LIGHT_SR);
+}
+
+static void say_would_find(struct plan_candidate *c, double share, double all)
+{
+    c->verdict = PLAN_ABSENT;
+    c->lacks = all - share;
+    if (all > 0)
+        rule(c, PLAN_ABSENT, "would find %.3g %% of the light that no path from the eye can",
+             100 * share);
+}
+
+static void consider_absent(struct plan *p)
+{
+    const double *missed = p->light.missed;
+    const double seen = missed[PLAN_LSE] + missed[PLAN_LSDE] + missed[PLAN_LSDDE];
+    const double all = sum_of(missed);
+    say_would_find(&p->candidates[PLAN_BIDIRECTIONAL], seen, all);
+    say_would_find(&p->candidates[PLAN_PHOTON_MAP], all, all);
+    say_would_find(&p->candidates[PLAN_METROPOLIS], seen, all);
+}
+
+static void consider_each(struct plan *p)
+{
+    const struct plan_features *f = &p->features;
+    struct plan_candidate *c = p->candidates;
+    for (int k = 0; k < PLAN_REAL; k++)
+        c[k] = (struct plan_candidate){.verdict = PLAN_DEARER, .lacks = sum_of(p->light.missed)};
+    if (p->max_bounces <= 1) {
+        for (int k = 0; k < PLAN_REAL; k++)
+            if (k != PLAN_PATH_MIS)
+                rule(&c[k], PLAN_RULED_OUT, "the document allows for %u scatterings",
+                     p->max_bounces);
+        return;
+    }
+    consider_biased(&c[PLAN_DIRECT], p->light.beyond_direct, p->light.beyond_direct_error);
+    consider_biased(&c[PLAN_WHITTED], p->light.beyond_whitted, p->light.beyond_whitted_error);
+    for (int k = PLAN_PATH_BSDF; k <= PLAN_PATH_LIGHT; k++)
+        if (shared_lights(f) == 0)
+            rule(&c[k], PLAN_RULED_OUT, "no light that both ways can find: it is the same as mis");
+    if (shared_lights(f) > 0) {
+        consider_bsdf(f, &c[PLAN_PATH_BSDF]);
+        consider_light(f, &c[PLAN_PATH_LIGHT]);
+    }
+}
+
+uint32_t plan_fit(const struct plan *p, double job_spp, uint32_t *spp)
+{
+    uint32_t count = 0;
+    for (int k = 0; k < PLAN_REAL; k++)
+        count += p->candidates[k].verdict == PLAN_DEARER;
+    const double samples = job_spp * (double)p->pixels * PILOT_SHARE / (count ? count : 1);
+    const double most = (double)min_size(MOST_PIXELS, 4 * (size_t)p->pixels);
+    *spp = samples >= 2 * PLAN_LEAST_PIXELS * PILOT_SPP ? PILOT_SPP : LEAST_SPP;
+    const double fit = samples / *spp;
+    return (uint32_t)(fit < most ? fit : most) / 4 * 4;
+}
+
+static void size_pilots(struct plan *p, uint32_t count, bool may_pilot)
+{
+    const uint32_t fit = plan_fit(p, p->rough_spp, &p->pilot_spp);
+    p->is_alone = count == 1;
+    if (count == 1)
+        snprintf(p->why_no_pilot, PLAN_WHY, "there is nothing to choose from");
+    if (!may_pilot && count > 1)
+        snprintf(p->why_no_pilot, PLAN_WHY, "the scene is too large to be copied");
+    if (!may_pilot)
+        return;
+    if (fit >= PLAN_LEAST_PIXELS)
+        p->pilot_pixels = fit;
+    else if (count > 1)
+        snprintf(p->why_no_pilot, PLAN_WHY,
+                 "%.3g units of work are too few for a pilot to pay for itself", p->expected);
+}
+
+void plan_consider(struct plan *p, bool may_pilot)
+{
+    uint32_t count = 0;
+    p->pilot_pixels = 0;
+    p->why_no_pilot[0] = '\0';
+    consider_each(p);
+    consider_absent(p);
+    for (int k = 0; k < PLAN_REAL; k++)
+        count += p->candidates[k].verdict == PLAN_DEARER;
+    p->expected = p->rough_spp * p->rough_work * (double)p->pixels;
+    size_pilots(p, count, may_pilot);
+}
+
+/* --- the choice --- */
+
+double plan_price(const struct plan_pilot *pilot)
+{
+    return pilot->variance * pilot->work;
+}
+
+static bool is_tailed(const struct plan_candidate *c)
+{
+    return c->pilot.tail > MOST_TAIL || c->pilot.thin > MOST_THIN;
+}
+
+static bool is_rival(const struct plan_candidate *c)
+{
+    return c->tried && c->verdict == PLAN_DEARER && !is_tailed(c);
+}
+
+static void say_why(struct plan_candidate *c, double least)
+{
+    const double price = plan_price(&c->pilot);
+    if (is_tailed(c))
+        rule(
+            c, PLAN_TAILED,
+            "%.0f %% of its variance is in 2 %% of the pixels, %.1f %% of the pixels hang on a few "
+            "samples",
+            100 * c->pilot.tail, 100 * c->pilot.thin);
+    else
+        rule(c, PLAN_DEARER, "variance x work is %.3g times the least", price / least);
+}
+
+static void choose_by_pilots(struct plan *p)
+{
+    double least = (double)__builtin_inff();
+    int best = PLAN_REAL;
+    for (int k = 0; k < PLAN_REAL; k++) {
+        const double price = plan_price(&p->candidates[k].pilot);
+        least = is_rival(&p->candidates[k]) && price < least ? price : least;
+    }
+    for (int k = PLAN_REAL; k-- > 0;)
+        if (is_rival(&p->candidates[k]) && plan_price(&p->candidates[k].pilot) <= CLOSE * least)
+            best = k;
+    const bool by_pilot = best < PLAN_REAL;
+    p->chosen = by_pilot ? (enum plan_candidate_kind)best : PLAN_PATH_MIS;
+    for (int k = 0; k < PLAN_REAL; k++)
+        if (p->candidates[k].tried)
+            say_why(&p->candidates[k], least);
+    rule(&p->candidates[p->chosen], PLAN_CHOSEN, "%s",
+         by_pilot ? "the simplest within 5 % of the least variance x work"
+                  : "all that were tried have heavy tails: the one that is wrong the least");
+}
+
+void plan_choose(struct plan *p)
+{
+    struct plan_candidate *usual = &p->candidates[PLAN_PATH_MIS];
+    if (p->pilot_pixels > 0 && !p->is_alone)
+        choose_by_pilots(p);
+    else
+        rule(usual, PLAN_CHOSEN, "the usual method: %s", p->why_no_pilot);
+    const struct plan_candidate *c = &p->candidates[p->chosen];
+    if (p->pilot_pixels == 0)
+        for (int k = 0; k < PLAN_REAL; k++)
+            if (p->candidates[k].verdict == PLAN_DEARER)
+                rule(&p->candidates[k], PLAN_DEARER, "not tried: %.*s", PLAN_WHY - 16,
+                     p->why_no_pilot);
+    p->forecast_spp = c->tried ? c->pilot.spp : p->rough_spp;
+    p->forecast = p->forecast_spp * (c->tried ? c->pilot.work : p->rough_work) * (double)p->pixels;
+    const double range = c->tried ? 1.5 : 2;
+    p->forecast_low = p->is_asked ? p->forecast / range : p->forecast;
+    p->forecast_high = p->is_asked ? p->forecast * range : p->forecast;
+}

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT */
+#include "server/report.h"
+
+#include <math.h>
+
+#include "common/estimate.h"
+#include "common/evidence.h"
+
+struct store_report report_none(void)
+{
+    return (struct store_report){.error_low = -1, .error_high = -1, .unknown = -1, .heavy = -1};
+}
+
+static double mean_luminance(const struct film *f)
+{
+    const size_t pixels = tile_rect_pixels(f->window);
+    double sum = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        double c[3];
+        film_mean(f, i, c);
+        sum += 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+    }
+    return sum / (double)pixels;
+}
+
+static uint32_t spp_of(const struct film *f, size_t block)
+{
+    const struct tile_rect w = f->window, r = block_rect_of(w, block);
+    return f->spp[(size_t)(r.y_begin - w.y_begin) * (w.x_end - w.x_begin) + r.x_begin - w.x_begin];
+}
+
+struct store_report report_make(const struct film *f)
+{
+    struct arena arena = {0};
+    const struct evidence e = evidence_make(f, &arena);
+    const struct estimate_interval i = estimate_interval(f);
+    struct store_report r = report_none();
+    const double pixels = tile_rect_pixels(f->window);
+    if (isfinite(i.high)) {
+        r.error_low = i.low;
+        r.error_high = i.high;
+    }
+    r.unknown = e.unknown;
+    r.heavy = e.heavy;
+    r.energy = mean_luminance(f);
+    for (size_t b = 0; b < block_count(f->window); b++) {
+        const double n = max_u32(spp_of(f, b), 1) * pixels;
+        r.clamped += f->blocks[b].clamped / n;
+        r.cut += f->blocks[b].cut / n;
+    }
+    r.work = f->work;
+    r.dropped = f->dropped;
+    arena_release(&arena);
+    return r;
+}

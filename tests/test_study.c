@@ -1,0 +1,312 @@
+/* Studies: what no path from the eye can find is what light tracing says it is, the study's other
+ * methods are those of documents, and plans do not hang on units, seeds or brightness.
+ * SPDX-License-Identifier: MIT */
+#include <math.h>
+#include <string.h>
+
+#include "common/trace/prep.h"
+#include "common/trace/render.h"
+#include "common/trace/study.h"
+#include "tests/scenes.h"
+#include "tests/tap.h"
+
+static const double pi = 3.14159265358979323846;
+
+static struct plan plan_of(struct scenes *s)
+{
+    struct plan plan;
+    struct arena scratch = {0};
+    study_make(scenes_stage(s), NULL, &scratch, &plan);
+    arena_release(&scratch);
+    return plan;
+}
+
+static double sum_of(const double of_class[])
+{
+    double sum = 0;
+    for (int c = 0; c < PLAN_CLASSES; c++)
+        sum += of_class[c];
+    return sum;
+}
+
+/* --- light through glass --- */
+
+/* A floor under a lamp of intensity 1 per channel at (0, 2, 0). */
+static void floor_and_lamp(struct scenes *s, enum light_kind kind)
+{
+    scenes_look(s, vec3_make(.4f, 2.5f, 2), vec3_make(0, 0, 0), pi / 4);
+    scenes_quad(s, scenes_diffuse(s, rgb_gray(.6f)), vec3_make(-2, 0, 2), vec3_make(4, 0, 0),
+                vec3_make(0, 0, -4));
+    struct light *l = scenes_light(s, kind);
+    const float at[3] = {0, 2, 0}, down[3] = {0, -1, 0};
+    if (kind == LIGHT_POINT) {
+        memcpy(l->point.position, at, sizeof at);
+        l->point.intensity = rgb_gray(1);
+    } else if (kind == LIGHT_SPOT) {
+        memcpy(l->spot.position, at, sizeof at);
+        memcpy(l->spot.direction, down, sizeof down);
+        l->spot.intensity = rgb_gray(1);
+        l->spot.inner_rad = .2f;
+        l->spot.outer_rad = .6f;
+    } else {
+        memcpy(l->distant.direction, down, sizeof down);
+        l->distant.irradiance = rgb_gray(1);
+    }
+}
+
+static double mean_of(struct scenes *s, uint32_t spp)
+{
+    struct film film;
+    scenes_render(scenes_stage(s), spp, &film);
+    const double mean = scenes_mean(&film, 1).mean;
+    film_release(&film);
+    return mean;
+}
+
+/* Behind glass that is none (its index is 1) the same light arrives, but no path from the eye finds
+ * it: what is traced from the lamp must be what was found without. There is a sky, too, so that
+ * there is something to be a share of. */
+static void behind_nothing(enum light_kind kind, enum camera_kind camera, const char *name)
+{
+    double mean[2], missed[2];
+    for (int pane = 0; pane < 2; pane++) {
+        struct scenes s;
+        scenes_init(&s, 256, 256);
+        floor_and_lamp(&s, kind);
+        scenes_sky(&s, rgb_gray(.02f));
+        s.scene.camera.kind = camera;
+        if (camera == CAMERA_ORTHOGRAPHIC)
+            s.scene.camera.width = 3;
+        if (camera != CAMERA_PANORAMIC) {
+            s.scene.film.crop_x_begin = 20;
+            s.scene.film.crop_y_begin = 100;
+        }
+        if (pane)
+            scenes_quad(&s, scenes_glass(&s, 1), vec3_make(-3, 1.9f, 3), vec3_make(6, 0, 0),
+                        vec3_make(0, 0, -6));
+        mean[pane] = mean_of(&s, 8);
+        const struct plan plan = plan_of(&s);
+        missed[pane] = sum_of(plan.light.missed);
+        scenes_release(&s);
+    }
+    const double want = 1 - mean[1] / mean[0];
+    ok(missed[0] == 0, "%s: where nothing is smooth nothing is missed", name);
+    near(missed[1] / want, 1, .05,
+         "%s behind glass: %.2f %% of the light is missed, in truth %.2f %%", name, 100 * missed[1],
+         100 * want);
+}
+
+/* F-07: a caustic. In truth: what a small sphere in the point's place brings more. */
+static void caustic(void)
+{
+    double mean[2], missed = 0;
+    for (int point = 0; point < 2; point++) {
+        struct scenes s;
+        scenes_init(&s, 128, 128);
+        scenes_look(&s, vec3_make(1.5f, 1, 1.5f), vec3_make(0, 0, 0), 40 * pi / 180);
+        scenes_quad(&s, scenes_diffuse(&s, rgb_gray(.6f)), vec3_make(-4, 0, 4), vec3_make(8, 0, 0),
+                    vec3_make(0, 0, -8));
+        scenes_sphere(&s, scenes_glass(&s, 1.5f), vec3_make(0, 1.6f, 0), .5f);
+        const float radius = .15f, at[3] = {0, 4, 0};
+        if (point) {
+            struct light *l = scenes_light(&s, LIGHT_POINT);
+            memcpy(l->point.position, at, sizeof at);
+            l->point.intensity = rgb_gray((float)pi * radius * radius);
+        } else {
+            scenes_sphere(&s, scenes_diffuse(&s, rgb_gray(0)), vec3_load(at), radius)->emission =
+                rgb_gray(1);
+        }
+        mean[point] = mean_of(&s, 256);
+        const struct plan plan = plan_of(&s);
+        missed += plan.light.missed[PLAN_LSDE];
+        diag("%s: LS+DE found %.4f missed %.4f, all missed %.4f", point ? "point" : "sphere",
+             plan.light.found[PLAN_LSDE], plan.light.missed[PLAN_LSDE], sum_of(plan.light.missed));
+        scenes_release(&s);
+    }
+    const double want = 1 - mean[1] / mean[0];
+    near(missed / want, 1, .1, "F-07: LS+DE is missing with %.2f %% of the light, in truth %.2f %%",
+         100 * missed, 100 * want);
+}
+
+/* --- the same scene by other methods --- */
+
+/* A box with a lamp, a glass and a metal ball. */
+static void room(struct scenes *s, uint32_t side_px)
+{
+    scenes_init(s, side_px, side_px);
+    scenes_look(s, vec3_make(0, 0, 2.9f), vec3_make(0, -.2f, 0), pi / 3);
+    scenes_box(s, scenes_diffuse(s, rgb_gray(.6f)), vec3_make(-1.5f, -1, -1.5f),
+               vec3_make(1.5f, 1, 3), true);
+    scenes_sphere(s, scenes_glass(s, 1.5f), vec3_make(-.5f, -.6f, 0), .4f);
+    scenes_sphere(s, scenes_metal(s, rgb_gray(.2f), rgb_gray(3), .2f), vec3_make(.5f, -.6f, 0),
+                  .4f);
+    scenes_quad(s, scenes_diffuse(s, rgb_gray(0)), vec3_make(-.4f, .99f, -.4f),
+                vec3_make(.8f, 0, 0), vec3_make(0, 0, .8f))
+        ->emission = rgb_gray(10);
+    s->scene.settings.target = (struct scene_target){.error = .02, .spp = SCENE_MAX_SPP};
+}
+
+static bool same_films(const struct film *a, const struct film *b)
+{
+    return !memcmp(a->sum, b->sum, 3 * tile_rect_pixels(a->window) * sizeof *a->sum) &&
+           !memcmp(&a->work, &b->work, sizeof a->work);
+}
+
+static void methods_are_those_of_documents(void)
+{
+    struct scenes s;
+    room(&s, 24);
+    const struct stage *usual = scenes_stage(&s);
+    struct stage *copy = study_stage(usual, &s.arena);
+    const struct plan plan = {.sampler = SAMPLER_SOBOL};
+    uint32_t differ = 0;
+    struct film first;
+    scenes_render(usual, 16, &first);
+    for (int k = PLAN_REAL; k-- > 0;) {
+        const struct plan_method m = plan_method_of(&plan, (enum plan_candidate_kind)k);
+        struct film mine, documents;
+        s.scene.settings.integrator = m.integrator;
+        s.scene.settings.strategy = m.strategy;
+        s.scene.settings.sampler = m.sampler;
+        study_set_method(copy, usual, m);
+        scenes_render(copy, 16, &mine);
+        scenes_render(scenes_stage(&s), 16, &documents);
+        ok(same_films(&mine, &documents), "%s: the same pixels and work as a document's",
+           plan_candidate_name((enum plan_candidate_kind)k));
+        differ += !same_films(&mine, &first);
+        film_release(&mine);
+        film_release(&documents);
+    }
+    ok(differ == PLAN_REAL - 1, "and they are different methods");
+    film_release(&first);
+    scenes_release(&s);
+}
+
+/* --- what plans do not hang on --- */
+
+static bool same_plans(const struct plan *a, const struct plan *b)
+{
+    struct buf x = {0}, y = {0};
+    plan_print(a, &x);
+    plan_print(b, &y);
+    const bool same = x.size == y.size && !memcmp(x.data, y.data, x.size);
+    buf_release(&x);
+    buf_release(&y);
+    return same;
+}
+
+static void scale(struct scenes *s, float unit, float light)
+{
+    struct scene *scene = &s->scene;
+    for (uint32_t i = 0; i < scene->shape_count; i++) {
+        struct shape *shape = &scene->shapes[i];
+        shape->emission *= light;
+        if (shape->kind == SHAPE_SPHERE) {
+            vec3_store(shape->sphere.center, unit * vec3_load(shape->sphere.center));
+            shape->sphere.radius *= unit;
+        } else {
+            for (int k = 0; k < 4; k++)
+                vec3_store(shape->quad.vertices[k], unit * vec3_load(shape->quad.vertices[k]));
+        }
+    }
+    for (int i = 0; i < 3; i++)
+        scene->camera.to_world.m[i][3] *= unit;
+}
+
+static void stable(void)
+{
+    struct scenes s;
+    room(&s, 64);
+    const struct plan first = plan_of(&s), again = plan_of(&s);
+    ok(same_plans(&first, &again), "the same plan twice, to the last digit");
+    diag("%s; pilot of %u pixels, %.2f %% of the forecast", first.candidates[first.chosen].why,
+         first.pilot_pixels, 100 * first.studied / first.forecast);
+    scenes_release(&s);
+    uint32_t others = 0;
+    for (uint32_t i = 0; i < 10; i++) {
+        room(&s, 64);
+        scale(&s, i == 0 ? 1e-3f : i == 1 ? 1e3f : 1, i == 2 ? 1e-6f : i == 3 ? 1e6f : 1);
+        s.scene.settings.seed = i < 4 ? 1 : i;
+        const struct plan plan = plan_of(&s);
+        others += plan.chosen != first.chosen;
+        if (i < 4)
+            near(plan.forecast / first.forecast, 1, .05, "much the same forecast in other units");
+        scenes_release(&s);
+    }
+    ok(others == 0, "the same choice in other units, brightness and with other seeds");
+}
+
+/* --- scenes of a kind --- */
+
+static void no_light(void)
+{
+    struct scenes s;
+    room(&s, 16);
+    s.scene.shapes[s.scene.shape_count - 1].emission = rgb_gray(0);
+    const struct plan plan = plan_of(&s);
+    ok(plan.chosen == PLAN_PATH_MIS && plan.rough_variance == 0 && plan.forecast_spp == 8,
+       "a scene without light: the usual method, no more than eight samples");
+    ok(sum_of(plan.light.found) == 0 && sum_of(plan.light.missed) == 0, "and no class has any");
+    scenes_release(&s);
+}
+
+static void all_light(void)
+{
+    struct scenes s;
+    scenes_init(&s, 64, 64);
+    scenes_box(&s, scenes_diffuse(&s, rgb_gray(.5f)), vec3_make(-1, -1, -1), vec3_make(1, 1, 1),
+               true);
+    for (uint32_t i = 0; i < s.scene.shape_count; i++)
+        s.scene.shapes[i].emission = rgb_gray(1);
+    s.scene.settings.target = (struct scene_target){.error = .003, .spp = SCENE_MAX_SPP};
+    const struct plan plan = plan_of(&s);
+    near(plan.light.found[PLAN_LE], .5, .02, "a furnace: half of the light comes straight");
+    near(plan.light.found[PLAN_LDE], .25, .02, "a quarter by one scattering");
+    ok(plan.chosen == PLAN_PATH_BSDF, "and shadow rays are not worth their price: %s, %s",
+       plan_candidate_name(plan.chosen), plan.candidates[plan.chosen].why);
+    scenes_release(&s);
+}
+
+static void one_pixel(void)
+{
+    struct scenes s;
+    room(&s, 1);
+    const struct plan plan = plan_of(&s);
+    ok(plan.chosen == PLAN_PATH_MIS && plan.pixels == 1 && plan.forecast > 0, "one pixel: %s",
+       plan.candidates[plan.chosen].why);
+    scenes_release(&s);
+}
+
+static bool at_once(const void *user)
+{
+    (void)user;
+    return true;
+}
+
+static void halted(void)
+{
+    struct scenes s;
+    struct plan plan;
+    struct arena scratch = {0};
+    room(&s, 64);
+    const struct study_halt halt = {at_once, NULL};
+    ok(!study_make(scenes_stage(&s), &halt, &scratch, &plan), "a study can be halted");
+    arena_release(&scratch);
+    scenes_release(&s);
+}
+
+int main(void)
+{
+    behind_nothing(LIGHT_POINT, CAMERA_PERSPECTIVE, "a point");
+    behind_nothing(LIGHT_SPOT, CAMERA_ORTHOGRAPHIC, "a spot");
+    behind_nothing(LIGHT_DISTANT, CAMERA_PERSPECTIVE, "a distant light");
+    behind_nothing(LIGHT_POINT, CAMERA_PANORAMIC, "a point, all around");
+    caustic();
+    methods_are_those_of_documents();
+    stable();
+    no_light();
+    all_light();
+    one_pixel();
+    halted();
+    return tap_done();
+}
