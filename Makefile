@@ -9,6 +9,7 @@
 # make bench-render [BASE=commit]    whole images against a former commit
 # make bench-examples [BASE=commit]  the scenes of scenes/ against a former commit
 # make bench-cycles                  whole images against Blender's Cycles
+# make charts                        error against work, each method: docs/charts/ (CHARTS=scenes, ARGS=flags)
 # MODE=release|debug|asan|tsan|coverage|fuzz    CC=gcc|clang    WERROR=1    J=jobs at once
 
 MODE   ?= release
@@ -64,7 +65,7 @@ TOOLS  := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/tool_*.c))
 FUZZ   := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/fuzz_*.c))
 
 .PHONY: all tests demo pictures check check-unit check-rules check-e2e check-long mutants bench bench-rays bench-accel bench-render \
-	bench-examples bench-cycles fuzz fuzz-run install clean
+	bench-examples bench-cycles charts fuzz fuzz-run install clean
 .SECONDARY:
 .DELETE_ON_ERROR:
 
@@ -76,7 +77,7 @@ $(O)/libserver.a: $(call obj,$(SERVER))
 $(O)/libworker.a: $(call obj,$(WORKER))
 $(O)/libclient.a: $(call obj,$(CLIENT))
 $(O)/libaccel.a:  $(call obj,$(ACCEL))
-$(O)/libtest.a:   $(call obj,$(filter-out tests/test_%.c tests/tool_%.c tests/fuzz_%.c,$(wildcard tests/*.c tests/stat/*.c)))
+$(O)/libtest.a:   $(call obj,$(filter-out tests/test_%.c tests/tool_%.c tests/fuzz_%.c,$(wildcard tests/*.c tests/stat/*.c tests/stability/*.c)))
 $(O)/libbench.a:  $(call obj,$(BENCH_PARTS))
 $(O)/%.a:
 	@rm -f $@
@@ -183,6 +184,9 @@ bench-examples: all $(B)/tool_local
 	BIN=$(B) BASE=$(BASE) python3 bench/bench_examples.py
 bench-cycles: all $(B)/tool_local
 	BIN=$(B) python3 bench/bench_cycles.py
+CHARTS ?= cornell-box glass-and-metal many-lights materials
+charts: $(B)/smalti # what docs/charts.md shows
+	@for s in $(CHARTS); do $(B)/smalti chart scenes/$$s.json -o docs/charts --size 16 --spp 512 $(ARGS) || exit 1; done
 
 fuzz:
 	$(MAKE) MODE=fuzz CC=clang fuzz-run
@@ -192,7 +196,8 @@ fuzz-run: $(FUZZ)
 install: all
 	install -D -t $(DESTDIR)$(PREFIX)/bin $(B)/smaltid $(B)/smalti-worker $(B)/smalti
 	install -D -m 644 -t $(DESTDIR)$(PREFIX)/share/smalti/scenes scenes/*.json
-	install -D -m 644 -t $(DESTDIR)$(PREFIX)/share/doc/smalti README.md LICENSE docs/*
+	install -D -m 644 -t $(DESTDIR)$(PREFIX)/share/doc/smalti README.md LICENSE docs/*.*
+	install -D -m 644 -t $(DESTDIR)$(PREFIX)/share/doc/smalti/charts docs/charts/*
 
 clean:
 	rm -rf build

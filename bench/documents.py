@@ -5,6 +5,7 @@
     examples()                                            the names of those of scenes/
     example(name)                                         one of them
     lacking(document)                                     a file that it names and that is not there, or None
+    flat(document)                                        a copy without the normals of mesh files
     sized(document, side, spp, seed)                      a copy with another shorter side, count and seed
     written(document, name)                               the path of the document as a file in FOLDER
 
@@ -56,6 +57,14 @@ def example(name):
 def lacking(document):
     files = [shape["file"] for shape in document["shapes"] if "file" in shape]
     return next((file for file in files if not os.path.exists(os.path.join(FOLDER, file))), None)
+
+
+def flat(document):
+    document = copy.deepcopy(document)
+    for shape in document["shapes"]:
+        if "file" in shape:
+            shape["normals"] = "flat"
+    return document
 
 
 def cornell():

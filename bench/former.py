@@ -4,7 +4,8 @@
     build(commit)              the former one's: built from git into build/bench/base-..., with its own Makefile. None
                                where there is no such commit (an archive, a shallow clone)
     reads(tool, document)      whether that commit knows what is in the document
-    Scene(name, document, side, spp)    renders of it; spp: samples per pixel beyond the first
+    Scene(name, document, side, spp, before)    renders of it; spp: samples per pixel beyond the first; before: what the
+                               former one gets, when that is another document
     take_turns(scenes, base, rounds)    renders each by both, in alternating order. base: None for TOOL alone
     compare(scenes, base)               prints a table; {name: median ratio of CPU seconds, before over now}
 
@@ -59,18 +60,23 @@ def reads(tool, document):
     return done.returncode != UNREAD
 
 
+def _pair(name, document, side, spp):
+    return tuple(documents.written(documents.sized(document, side, n), f"{name}-{n}") for n in (1, 1 + spp))
+
+
 class Scene:
-    def __init__(self, name, document, side, spp):
+    def __init__(self, name, document, side, spp, before=None):
         self.name, self.spp = name, spp
-        few = documents.sized(document, side, 1)
-        self.pixels = few["film"]["width"] * few["film"]["height"]
-        self.few = documents.written(few, name + "-1")
-        self.more = documents.written(documents.sized(document, side, 1 + spp), f"{name}-{1 + spp}")
+        film = documents.sized(document, side, 1)["film"]
+        self.pixels = film["width"] * film["height"]
+        self.few, self.more = self.now = _pair(name, document, side, spp)
+        self.before = _pair(name + "-before", before, side, spp) if before else self.now
         self.seconds = {}  # by tool: one per round
         self.digests = {}
 
     def render(self, tool):
-        seconds, self.digests[tool] = cpu.of_samples(tool, self.few, self.more, IMAGE)
+        few, more = self.now if tool == TOOL else self.before
+        seconds, self.digests[tool] = cpu.of_samples(tool, few, more, IMAGE)
         self.seconds.setdefault(tool, []).append(seconds)
 
     def paths_per_second(self, tool):

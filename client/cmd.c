@@ -80,6 +80,15 @@ int cmd_follow(struct remote *remote, const char *id, bool json, bool curve)
     __builtin_unreachable();
 }
 
+bool cmd_can_trace(int *status)
+{
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+        return true;
+    fprintf(stderr, "smalti: this CPU lacks AVX2 and FMA, which tracing is built for\n");
+    *status = CMD_SYSTEM;
+    return false;
+}
+
 int cmd_fail(const struct err *err)
 {
     fprintf(stderr, "smalti: %s\n", err->text);
@@ -95,6 +104,13 @@ int cmd_fail(const struct err *err)
         return CMD_UNREACHABLE;
     }
     __builtin_unreachable();
+}
+
+void cmd_warn_scene(const char *file, const struct scene *scene)
+{
+    for (uint32_t i = 0; i < scene->warning_count; i++)
+        fprintf(stderr, "warning: %s: %s: %s\n", file, scene->warnings[i].where,
+                scene->warnings[i].what);
 }
 
 int cmd_fail_scene(const char *file, const struct scene_errors *errors)

@@ -28,9 +28,11 @@ int cmd_watch(int argc, char *const *args);
 int cmd_fetch(int argc, char *const *args);
 int cmd_cancel(int argc, char *const *args);
 int cmd_check(int argc, char *const *args);
+int cmd_replay(int argc, char *const *args);
 int cmd_plan(int argc, char *const *args);
 int cmd_diff(int argc, char *const *args);
 int cmd_digest(int argc, char *const *args);
+int cmd_chart(int argc, char *const *args);
 
 /* What a command accepts. */
 struct cmd_spec {
@@ -47,6 +49,7 @@ bool cmd_parse(const struct cmd_spec *, int argc, char *const *args, const char 
 /* The coordinator at the flag's address, $SMALTI_SERVER's or the default; false: *status. */
 bool cmd_open(struct remote *, const char *flag, int *status) MUST_CHECK;
 
+bool cmd_can_trace(int *status);     /* false: this CPU cannot; said on stderr */
 bool cmd_check_id(const char *text); /* false: said on stderr that it is none */
 
 /* Shows a job until it ends (call watch_block before); returns the exit status. */
@@ -54,6 +57,9 @@ int cmd_follow(struct remote *, const char *id, bool json, bool curve);
 
 /* "smalti: TEXT" on stderr; returns the status that fits the code. */
 int cmd_fail(const struct err *);
+
+/* "warning: FILE: POINTER: TEXT", one line each, on stderr. */
+void cmd_warn_scene(const char *file, const struct scene *);
 
 /* "FILE: POINTER: TEXT", one line each, on stderr; returns CMD_INPUT. */
 int cmd_fail_scene(const char *file, const struct scene_errors *);

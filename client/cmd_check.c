@@ -10,20 +10,39 @@ static const char usage[] =
     "Usage: smalti check SCENE [--json]\n"
     "Reads a scene and the files it names and prints everything that is wrong with them, one\n"
     "'FILE: PLACE: TEXT' a line; PLACE is a JSON pointer, or line and column of a syntax\n"
-    "error.\n"
+    "error. What reading has changed, since the scene asks for \"rescale\", is said on stderr.\n"
     "\n"
-    "  --json   {\"valid\": true or false, \"errors\": [{\"pointer\", \"detail\"}, ...]}\n"
+    "  --json   {\"valid\": true or false, \"errors\": [{\"pointer\", \"detail\"}, ...],\n"
+    "           \"warnings\": [{\"pointer\", \"detail\", \"was\", \"became\"}, ...]}\n"
     "\n"
     "Exit status: 0 valid, 2 wrong usage, 3 not valid.\n";
 
-static void print_json(const struct scene_errors *errors)
+static json_t *color_json(const float c[3])
+{
+    return json_pack("[f,f,f]", (double)c[0], (double)c[1], (double)c[2]);
+}
+
+static json_t *warnings_json(const struct scene *scene)
+{
+    json_t *list = json_array();
+    for (uint32_t i = 0; i < scene->warning_count; i++) {
+        const struct scene_warning *w = &scene->warnings[i];
+        json_array_append_new(list, json_pack("{s:s, s:s, s:o, s:o}", "pointer", w->where, "detail",
+                                              w->what, "was", color_json(w->was), "became",
+                                              color_json(w->became)));
+    }
+    return list;
+}
+
+static void print_json(const struct scene_errors *errors, const struct scene *scene)
 {
     json_t *list = json_array();
     for (size_t i = 0; i < errors->count; i++)
         json_array_append_new(list, json_pack("{s:s, s:s}", "pointer", errors->list[i].where,
                                               "detail", errors->list[i].what));
-    json_t *root = json_pack("{s:b, s:o}", "valid", errors->count == 0, "errors", list);
-    json_dumpf(root, stdout, JSON_COMPACT);
+    json_t *root = json_pack("{s:b, s:o, s:o}", "valid", errors->count == 0, "errors", list,
+                             "warnings", warnings_json(scene));
+    json_dumpf(root, stdout, JSON_COMPACT | JSON_REAL_PRECISION(9));
     putchar('\n');
     json_decref(root);
 }
@@ -55,13 +74,15 @@ int cmd_check(int argc, char *const *args)
         return status;
 
     struct arena arena = {0};
-    struct scene_disk scene;
+    struct scene_disk scene = {0};
     struct scene_errors errors;
     uint32_t unread = 0;
     const bool valid = scene_disk_open(&scene, file, &arena, &errors) &&
                        scene_disk_load(&scene, &arena, &unread, &errors);
+    if (valid && !json)
+        cmd_warn_scene(file, &scene.scene);
     if (json)
-        print_json(&errors);
+        print_json(&errors, &scene.scene);
     else if (valid)
         print_summary(&scene, unread);
     else

@@ -80,15 +80,6 @@ static bool prepare(const struct scene *scene, struct arena *arena, const struct
     return good;
 }
 
-static bool can_trace(int *status)
-{
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
-        return true;
-    fprintf(stderr, "smalti: this CPU lacks AVX2 and FMA, which tracing is built for\n");
-    *status = CMD_SYSTEM;
-    return false;
-}
-
 static bool load(const char *file, struct scene_disk *scene, struct arena *arena, int *status)
 {
     struct scene_errors errors;
@@ -123,7 +114,7 @@ int cmd_plan(int argc, char *const *args)
     struct scene_disk scene;
     const struct stage *stage;
     struct plan plan;
-    if (can_trace(&status) && load(file, &scene, &arena, &status)) {
+    if (cmd_can_trace(&status) && load(file, &scene, &arena, &status)) {
         if (error > 0)
             scene.scene.settings.target = (struct scene_target){error, SCENE_MAX_SPP, 0};
         if (prepare(&scene.scene, &arena, &stage, &status)) {

@@ -112,6 +112,7 @@ static bool load(struct render *r, int *status)
         *status = CMD_INPUT;
         return false;
     }
+    cmd_warn_scene(r->scene_file, &r->scene.scene);
     if (save_possible(r->output, &err) && (!r->png || save_possible(r->png, &err)))
         return true;
     cmd_fail(&err);

@@ -72,6 +72,7 @@ int cmd_submit(int argc, char *const *args)
         !scene_disk_load(&scene, &arena, &unread, &errors)) {
         status = cmd_fail_scene(file, &errors);
     } else if (cmd_open(&remote, server, &status)) {
+        cmd_warn_scene(file, &scene.scene);
         if (wait)
             watch_block();
         status = submit(&remote, &scene, priority, json, wait, &arena);

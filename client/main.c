@@ -18,12 +18,15 @@ static const char usage[] =
     "  watch ID           follow a job until it ends\n"
     "  fetch ID           its image so far\n"
     "  cancel ID          end it; its image so far stays\n"
+    "  replay ID X,Y N    trace one sample of it again, and say where its path went\n"
     "\n"
     "Files:\n"
     "  check SCENE        everything that is wrong with a scene\n"
-    "  plan SCENE         which method \"auto\" would render it with, why, and how much work it is\n"
+    "  plan SCENE         which method \"auto\" would render it with, why, and how much work it "
+    "is\n"
     "  diff A.exr B.exr   how far A is from B\n"
     "  digest X.exr       SHA-256 of the pixels\n"
+    "  chart SCENE        which method is how far off after how much work, as figures\n"
     "\n"
     "smalti COMMAND --help says more. --version prints the version.\n"
     "\n"
@@ -34,10 +37,9 @@ static const struct {
     const char *name;
     int (*run)(int argc, char *const *args);
 } commands[] = {
-    {"render", cmd_render}, {"submit", cmd_submit}, {"status", cmd_status},
-    {"watch", cmd_watch},   {"fetch", cmd_fetch},   {"cancel", cmd_cancel},
-    {"check", cmd_check},   {"plan", cmd_plan},     {"diff", cmd_diff},
-    {"digest", cmd_digest},
+    {"render", cmd_render}, {"submit", cmd_submit}, {"status", cmd_status}, {"watch", cmd_watch},
+    {"fetch", cmd_fetch},   {"cancel", cmd_cancel}, {"check", cmd_check},   {"plan", cmd_plan},
+    {"diff", cmd_diff},     {"digest", cmd_digest}, {"chart", cmd_chart},   {"replay", cmd_replay},
 };
 
 int main(int argc, char **argv)

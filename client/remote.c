@@ -312,6 +312,26 @@ bool remote_has_asset(struct remote *r, const char hex[HASH_HEX], bool *here, st
     return *here || err->code == ERR_NOT_FOUND;
 }
 
+bool remote_get_asset(struct remote *r, const char *hex, size_t max_bytes, struct buf *out,
+                      struct err *err)
+{
+    char path[96], found[HASH_HEX];
+    snprintf(path, sizeof path, "/v1/assets/%s", hex);
+    struct http_client_request request = simple("GET", path);
+    request.max_bytes = max_bytes;
+    request.timeout_ms = 0;
+    struct http_client_reply reply;
+    if (!call(r, request, &reply, err))
+        return false;
+    hash_hex(reply.body.data ? reply.body.data : (const unsigned char *)"", reply.body.size, found);
+    if (strcmp(found, hex) != 0) {
+        buf_release(&reply.body);
+        return err_set(err, ERR_PROTOCOL, "the bytes that came have the SHA-256 %s", found);
+    }
+    *out = reply.body;
+    return true;
+}
+
 bool remote_put_asset(struct remote *r, const char hex[HASH_HEX], const struct buf *bytes,
                       struct err *err)
 {

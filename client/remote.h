@@ -88,6 +88,9 @@ bool remote_fetch(struct remote *, const char *id, const char *what, struct buf 
 /* Assets, by the SHA-256 of their bytes. */
 bool remote_has_asset(struct remote *, const char hex[HASH_HEX], bool *here,
                       struct err *) MUST_CHECK;
+/* Appended to the empty `out`; its hash was checked. */
+bool remote_get_asset(struct remote *, const char *hex, size_t max_bytes, struct buf *out,
+                      struct err *) MUST_CHECK;
 bool remote_put_asset(struct remote *, const char hex[HASH_HEX], const struct buf *bytes,
                       struct err *) MUST_CHECK;
 

@@ -2,6 +2,7 @@
 #include "common/buf.h"
 
 #include <errno.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,6 +41,21 @@ static void put_le(struct buf *b, uint64_t v, size_t bytes)
     unsigned char *at = buf_grow(b, bytes);
     for (size_t i = 0; i < bytes; i++)
         at[i] = (unsigned char)(v >> (8 * i));
+}
+
+void buf_text(struct buf *b, const char *fmt, ...)
+{
+    va_list args, again;
+    va_start(args, fmt);
+    va_copy(again, args);
+    const int n = vsnprintf(NULL, 0, fmt, args);
+    va_end(args);
+    if (n > 0) {
+        buf_grow(b, (size_t)n + 1);
+        vsnprintf((char *)b->data + b->size - n - 1, (size_t)n + 1, fmt, again);
+        b->size--;
+    }
+    va_end(again);
 }
 
 void buf_u32(struct buf *b, uint32_t v)

@@ -18,6 +18,7 @@ struct buf {
 void buf_release(struct buf *);
 void *buf_grow(struct buf *, size_t bytes); /* appends uninitialised bytes, returns them */
 void buf_append(struct buf *, const void *data, size_t bytes);
+void buf_text(struct buf *, const char *fmt, ...) PRINTF(2, 3); /* without the final 0 */
 void buf_u32(struct buf *, uint32_t);
 void buf_u64(struct buf *, uint64_t);
 

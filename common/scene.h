@@ -169,6 +169,7 @@ struct material {
         struct {
             float ior;   /* inside / outside, [1, 4]; inside is where the normal does not point */
             float alpha; /* GGX width, [0, 1]; 0 is smooth */
+            bool multiscatter; /* light that meets several facets is added */
         } dielectric;
         struct {
             rgb eta, k;  /* complex index of refraction per channel, eta > 0, k >= 0 */
@@ -298,6 +299,7 @@ struct shape {
     uint32_t material;     /* index into scene.materials */
     rgb emission;          /* radiance leaving the front side; 0: not a light. Front: outside of a
                             * sphere or cylinder, else the side the normal points to */
+    uint32_t glow;         /* 1 + index into scene.textures: emission is multiplied by it; 0: none */
     struct xform to_world; /* but for quads and meshes a similarity (checked), maybe a mirror */
     union {
         struct {
@@ -386,6 +388,13 @@ struct scene_settings {
     struct scene_target target;
 };
 
+/* What reading has changed, since `settings.rescale` allows it. */
+struct scene_warning {
+    const char *where;        /* JSON pointer */
+    const char *what;         /* with both values */
+    float was[3], became[3];  /* a colour */
+};
+
 struct scene {
     const char *title; /* "" when absent */
     struct scene_film film;
@@ -401,6 +410,8 @@ struct scene {
     struct material_relief *reliefs;
     uint32_t material_count, shape_count, mesh_count, light_count, texture_count, image_count;
     uint32_t slot_count, relief_count;
+    struct scene_warning *warnings; /* for people */
+    uint32_t warning_count;
 };
 
 /* What is wrong with a document: all of it at once, in document order. */

@@ -39,6 +39,7 @@ struct scene_fault {
 
 struct scene_doc {
     enum scene_source source;
+    bool rescale; /* scene_share.h */
     struct arena *arena;                         /* the scene's and its errors' memory */
     struct scene_fault faults[SCENE_MAX_FAULTS]; /* the first ones in document order, sorted */
     size_t kept, total;

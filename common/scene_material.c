@@ -4,16 +4,15 @@
 #include "common/scene_param.h"
 #include "common/scene_read.h"
 #include "common/scene_relief.h"
+#include "common/scene_share.h"
 #include "common/scene_wrap.h"
 #include "common/scene_specular.h"
-
-static const struct scene_range fraction = {0, 1, false};
 
 static void read_diffuse(const struct scene_params *p, struct material *m)
 {
     static const struct scene_key keys[] = {{"type", true}, {"albedo", true}};
     scene_params_of(p, "a diffuse material", keys, countof(keys));
-    scene_param_rgb(p, "albedo", fraction, &m->diffuse.albedo);
+    scene_share_rgb(p, "albedo", &m->diffuse.albedo);
 }
 
 static void read_mirror(const struct scene_params *p, struct material *m)
@@ -21,7 +20,7 @@ static void read_mirror(const struct scene_params *p, struct material *m)
     static const struct scene_key keys[] = {{"type", true}, {"reflectance", false}};
     m->mirror.reflectance = rgb_gray(1);
     scene_params_of(p, "a mirror material", keys, countof(keys));
-    scene_param_rgb(p, "reflectance", fraction, &m->mirror.reflectance);
+    scene_share_rgb(p, "reflectance", &m->mirror.reflectance);
 }
 
 static const char *const material_names[] = {

@@ -4,6 +4,7 @@
 
 #include "common/layers.h"
 #include "common/scene_check.h"
+#include "common/scene_share.h"
 
 static void read_crop(struct scene_doc *doc, const struct scene_at *at, bool size_known,
                       struct scene_film *film)
@@ -131,7 +132,8 @@ static void read_settings(struct scene_doc *doc, const struct scene_at *at,
 {
     static const struct scene_key keys[] = {
         {"integrator", false}, {"strategy", false}, {"sampler", false}, {"max_bounces", false},
-        {"clamp", false},      {"seed", false},     {"target", false}};
+        {"clamp", false},      {"seed", false},     {"target", false},
+        {"rescale", false}};
     struct scene_at member;
     uint64_t bounces = out->max_bounces;
     double clamp = 0;
@@ -143,6 +145,8 @@ static void read_settings(struct scene_doc *doc, const struct scene_at *at,
     /* To 2^53 - 1: beyond, two whole numbers may read as one. */
     scene_key_integer(doc, at, "seed", (struct scene_range){0, 9007199254740991., false},
                       &out->seed);
+    if (scene_at_member(at, "rescale", &member) && scene_at_type(&member) != SCENE_BOOLEAN)
+        scene_doc_expected(doc, &member, ERR_INPUT, "true or false");
     if (scene_at_member(at, "target", &member))
         read_target(doc, &member, &out->target);
     out->max_bounces = (uint32_t)bounces;
@@ -165,6 +169,7 @@ void scene_read(struct scene_doc *doc, const struct scene_at *whole, struct scen
         {"camera", true}, {"textures", false}, {"materials", true},
         {"shapes", true}, {"lights", false},   {"settings", false}};
     scene->title = "";
+    doc->rescale = scene_share_wanted(whole);
     scene->settings = (struct scene_settings){
         .integrator = INTEGRATOR_PATH, .max_bounces = 64, .target = {.spp = 64}};
     scene_doc_object(doc, whole, "the document", keys, countof(keys));
@@ -182,7 +187,7 @@ void scene_read(struct scene_doc *doc, const struct scene_at *whole, struct scen
     if (scene_at_member(whole, "materials", &at))
         names = scene_read_materials(doc, &at, &textures, scene);
     if (scene_at_member(whole, "shapes", &at))
-        scene_read_shapes(doc, &at, &names, scene);
+        scene_read_shapes(doc, &at, &(struct scene_known){&names, &textures}, scene);
     if (scene_at_member(whole, "lights", &at))
         scene_read_lights(doc, &at, scene);
     if (scene_at_member(whole, "settings", &at))

@@ -14,7 +14,11 @@ void scene_read(struct scene_doc *, const struct scene_at *whole, struct scene *
 struct scene_names scene_read_textures(struct scene_doc *, const struct scene_at *, struct scene *);
 struct scene_names scene_read_materials(struct scene_doc *, const struct scene_at *,
                                         const struct scene_names *textures, struct scene *);
-void scene_read_shapes(struct scene_doc *, const struct scene_at *, const struct scene_names *,
+/* What shapes may name. */
+struct scene_known {
+    const struct scene_names *materials, *textures;
+};
+void scene_read_shapes(struct scene_doc *, const struct scene_at *, const struct scene_known *,
                        struct scene *);
 void scene_read_filter(struct scene_doc *, const struct scene_at *, struct scene_film *);
 void scene_read_camera(struct scene_doc *, const struct scene_at *, struct scene_camera *);

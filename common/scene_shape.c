@@ -267,6 +267,26 @@ static void check_shines(struct scene_doc *doc, const struct scene_at *at,
         scene_doc_expected(doc, &member, ERR_INPUT, "no emission where the material has a mask");
 }
 
+static void read_emission(struct scene_doc *doc, const struct scene_at *shape,
+                          const struct scene_names *textures, struct shape *s)
+{
+    static const struct scene_key keys[] = {{"texture", true}, {"scale", false}};
+    static const struct scene_range range = {0, SCENE_MAX_ABS, false};
+    struct scene_at at, name;
+    if (!scene_at_member(shape, "emission", &at))
+        return;
+    if (scene_at_type(&at) != SCENE_OBJECT) {
+        scene_doc_rgb(doc, &at, range, &s->emission);
+        return;
+    }
+    uint32_t texture;
+    s->emission = rgb_gray(1);
+    scene_doc_object(doc, &at, "a textured emission", keys, countof(keys));
+    scene_key_rgb(doc, &at, "scale", range, &s->emission);
+    if (scene_at_member(&at, "texture", &name) && scene_names_find(doc, &name, textures, &texture))
+        s->glow = texture + 1;
+}
+
 static const char *const shape_names[] = {[SHAPE_SPHERE] = "sphere",
                                           [SHAPE_DISC] = "disc",
                                           [SHAPE_CYLINDER] = "cylinder",
@@ -274,7 +294,7 @@ static const char *const shape_names[] = {[SHAPE_SPHERE] = "sphere",
                                           [SHAPE_MESH] = "mesh"};
 
 static void read_shape(struct scene_doc *doc, const struct scene_at *at,
-                       const struct scene_names *names, struct scene *scene, struct shape *s)
+                       const struct scene_known *names, struct scene *scene, struct shape *s)
 {
     size_t kind;
     if (!scene_doc_kind(doc, at, "a shape", shape_names, countof(shape_names), &kind))
@@ -282,8 +302,8 @@ static void read_shape(struct scene_doc *doc, const struct scene_at *at,
     s->kind = (enum shape_kind)kind;
     struct scene_at member;
     const bool found = scene_at_member(at, "material", &member) &&
-                       scene_names_find(doc, &member, names, &s->material);
-    scene_key_rgb(doc, at, "emission", (struct scene_range){0, SCENE_MAX_ABS, false}, &s->emission);
+                       scene_names_find(doc, &member, names->materials, &s->material);
+    read_emission(doc, at, names->textures, s);
     if (found)
         check_shines(doc, at, scene, s);
     struct scene_xform x = scene_xform_identity();
@@ -376,7 +396,7 @@ static size_t mesh_count(const struct scene_at *shapes)
 }
 
 void scene_read_shapes(struct scene_doc *doc, const struct scene_at *at,
-                       const struct scene_names *names, struct scene *scene)
+                       const struct scene_known *names, struct scene *scene)
 {
     if (!scene_doc_array(doc, at, "shapes", 0, SCENE_MAX_SHAPES))
         return;

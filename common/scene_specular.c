@@ -122,16 +122,15 @@ static void read_turn(const struct scene_params *p, float *cos, float *sin)
 
 void scene_specular_dielectric(const struct scene_params *p, struct material *m)
 {
-    static const struct scene_key keys[] = {{"type", true},
-                                            {"ior", true},
-                                            {"alpha", false},
-                                            {"absorption", false},
-                                            {"priority", false}};
+    static const struct scene_key keys[] = {{"type", true},      {"ior", true},
+                                            {"alpha", false},    {"absorption", false},
+                                            {"priority", false}, {"multiscatter", false}};
     uint64_t priority = 0;
     m->dielectric.ior = 1;
     scene_params_of(p, "a dielectric material", keys, countof(keys));
     scene_param_number(p, "ior", (struct scene_range){1, 4, false}, &m->dielectric.ior);
     scene_param_number(p, "alpha", fraction, &m->dielectric.alpha);
+    read_flag(p, "multiscatter", &m->dielectric.multiscatter);
     scene_key_rgb(p->doc, p->at, "absorption", (struct scene_range){0, 1e9, false},
                   &m->inside.absorption);
     scene_key_integer(p->doc, p->at, "priority", (struct scene_range){1, 1000, false}, &priority);

@@ -15,6 +15,7 @@
 #include "server/report.h"
 #include "server/server.h"
 #include "server/status.h"
+#include "server/status_warnings.h"
 
 enum { MAX_PRIORITY = 100, MAX_LIST = 200, LIST = 50 };
 
@@ -110,6 +111,7 @@ static struct store_job row_of(const struct server *s, const struct scene *scene
         server_random(&row.id, sizeof row.id);
     while (!row.id || server_job_find(s, row.id));
     snprintf(row.title, sizeof row.title, "%s", scene->title);
+    status_warnings_print(scene, row.warnings, sizeof row.warnings);
     return row;
 }
 

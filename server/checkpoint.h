@@ -7,10 +7,11 @@
  *     "SMLTFILM" | u32 version | u32 tile_count | u64 job | u64 generation
  *     u32 x_begin y_begin x_end y_end tile_px key_count
  *     u64 samples passes_done cpu_us invalid_count elapsed_ms | key_count x (u32 x y sample)
- *     u64 camera_rays bounce_rays shadow_rays plain_vertices other_vertices units | u32 degenerate
- * nonfinite u32 merged[tile_count] | f64 sum[] | f32 replicate[] | u32 spp[] | u32 layers, f64
- * layer[] | blocks: (f64 sum square clamped cut, u64 met, f32 top[16])[] | f32 variance[][4] 64 hex
- * digits of SHA-256
+ *     u64 camera_rays bounce_rays shadow_rays plain_vertices other_vertices units
+ *     u32 degenerate nonfinite
+ *     u32 merged[tile_count] | f64 sum[] | f32 replicate[] | u32 spp[] | u32 layers, f64 layer[]
+ *     blocks: (f64 sum square clamped cut, u64 met, f32 top[16])[] | f32 variance[][4]
+ *     64 hex digits of SHA-256
  *
  * That is version 3. Films of older versions have no blocks: they are refused, and their jobs begin
  * anew. Any one thread. Errors: ERR_NOT_FOUND; ERR_INPUT: not a whole film of this job; ERR_IO.

@@ -50,7 +50,10 @@ bool convergence_note(struct convergence *c, struct store *s, const struct store
         .spp = row->spp_done,
         .elapsed_ms = row->elapsed_ms,
         .cpu_us = row->cpu_us,
+        .units = row->report.work.units,
         .error = row->error,
+        .error_low = row->report.error_low,
+        .error_high = row->report.error_high,
     };
     add(c, &p);
     return store_point_add(s, row->number, &p, err);

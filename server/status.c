@@ -102,6 +102,12 @@ static json_t *failure_json(const struct job *j)
                      rect_json(tile_rect_of(&j->grid, f->tile)), "pass", (json_int_t)f->pass);
 }
 
+static json_t *warnings_json(const struct store_job *r)
+{
+    json_t *list = json_loads(r->warnings, 0, NULL);
+    return json_is_array(list) ? list : json_array();
+}
+
 static size_t workers_of(const struct server *s, const struct job *j)
 {
     static uint64_t mark; /* owner thread only */
@@ -171,6 +177,7 @@ json_t *status_job(const struct server *s, const struct job *j)
                                   (json_int_t)r->duplicates));
     json_object_set_new(root, "report", status_report(r));
     json_object_set_new(root, "failure", failure_json(j));
+    json_object_set_new(root, "warnings", warnings_json(r));
     json_object_set_new(root, "image",
                         json_pack("{s:I, s:o}", "version", (json_int_t)r->image_version, "digest",
                                   *r->digest ? json_string(r->digest) : json_null()));
@@ -181,9 +188,12 @@ json_t *status_job(const struct server *s, const struct job *j)
 
 static json_t *point_json(const struct store_point *p)
 {
-    return json_pack("{s:I, s:I, s:f, s:f, s:f}", "samples", (json_int_t)p->samples, "spp",
-                     (json_int_t)p->spp, "seconds", (double)p->elapsed_ms / 1000, "cpu_seconds",
-                     (double)p->cpu_us / 1e6, "error", p->error);
+    json_t *interval =
+        p->error_low < 0 ? json_null() : json_pack("[f,f]", p->error_low, p->error_high);
+    return json_pack("{s:I, s:I, s:I, s:f, s:f, s:f, s:o}", "samples", (json_int_t)p->samples,
+                     "spp", (json_int_t)p->spp, "units", (json_int_t)p->units, "seconds",
+                     (double)p->elapsed_ms / 1000, "cpu_seconds", (double)p->cpu_us / 1e6, "error",
+                     p->error, "interval", interval);
 }
 
 static json_t *forecast_json(const struct server *s, const struct job *j)

@@ -46,11 +46,15 @@ static const char *const steps[] = {
     "ALTER TABLE job ADD COLUMN shadow_rays INTEGER NOT NULL DEFAULT 0;"
     "ALTER TABLE job ADD COLUMN plain_vertices INTEGER NOT NULL DEFAULT 0;"
     "ALTER TABLE job ADD COLUMN other_vertices INTEGER NOT NULL DEFAULT 0;"
-    "ALTER TABLE job ADD COLUMN units INTEGER NOT NULL DEFAULT 0;"
     "ALTER TABLE job ADD COLUMN degenerate INTEGER NOT NULL DEFAULT 0;"
     "ALTER TABLE job ADD COLUMN nonfinite INTEGER NOT NULL DEFAULT 0;"
-    "ALTER TABLE job ADD COLUMN stratified INTEGER NOT NULL DEFAULT 0;"
     "UPDATE job SET tile_px = (tile_px + 7) / 8 * 8",
+    "ALTER TABLE job ADD COLUMN units INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE point ADD COLUMN error_low REAL NOT NULL DEFAULT -1;"
+    "ALTER TABLE point ADD COLUMN error_high REAL NOT NULL DEFAULT -1;"
+    "ALTER TABLE point ADD COLUMN units INTEGER NOT NULL DEFAULT 0",
+    "ALTER TABLE job ADD COLUMN warnings TEXT NOT NULL DEFAULT ''",
+    "ALTER TABLE job ADD COLUMN stratified INTEGER NOT NULL DEFAULT 0",
 };
 
 #define NAMES                                                                                      \
@@ -59,11 +63,12 @@ static const char *const steps[] = {
     "elapsed_ms, samples, passes, spp, error, cpu_us, granted, expired, returned, duplicates, "    \
     "invalid, image, digest, checkpoint, reason, in_pass, in_tile, has_pass, layers, "             \
     "error_low, error_high, unknown, heavy, energy, clamped, cut, camera_rays, bounce_rays, "      \
-    "shadow_rays, plain_vertices, other_vertices, units, degenerate, nonfinite, stratified, keys"
+    "shadow_rays, plain_vertices, other_vertices, units, degenerate, nonfinite, "                  \
+    "warnings, stratified, keys"
 #define MARKS                                                                                      \
     "?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, "  \
     "?21, ?22, ?23, ?24, ?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, ?33, ?34, ?35, ?36, ?37, ?38, "   \
-    "?39, ?40, ?41, ?42, ?43, ?44, ?45, ?46, ?47, ?48, ?49, ?50, ?51, ?52, ?53, ?54, ?55"
+    "?39, ?40, ?41, ?42, ?43, ?44, ?45, ?46, ?47, ?48, ?49, ?50, ?51, ?52, ?53, ?54, ?55, ?56"
 
 enum column_kind { COLUMN_INT, COLUMN_REAL, COLUMN_TEXT };
 
@@ -129,6 +134,7 @@ static const struct column {
     AT(COLUMN_INT, report.work.units),
     AT(COLUMN_INT, report.dropped.degenerate),
     AT(COLUMN_INT, report.dropped.nonfinite),
+    AT(COLUMN_TEXT, warnings),
     AT(COLUMN_INT, stratified),
 #undef AT
 };
@@ -370,15 +376,21 @@ bool store_point_add(struct store *s, uint64_t number, const struct store_point 
     if (!ok)
         return false;
     ok = prepare(s, "DELETE FROM point WHERE job = ?1 AND samples >= ?2", &forget, err) &&
-         prepare(s, "INSERT INTO point VALUES (?1, ?2, ?3, ?4, ?5, ?6)", &q, err);
+         prepare(
+             s,
+             "INSERT INTO point (job, samples, spp, elapsed_ms, cpu_us, units, error, error_low, "
+             "error_high) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)",
+             &q, err);
     if (ok) {
-        const int64_t numbers[] = {(int64_t)number, (int64_t)p->samples, p->spp, p->elapsed_ms,
-                                   (int64_t)p->cpu_us};
+        const int64_t numbers[] = {(int64_t)number, (int64_t)p->samples, p->spp,
+                                   p->elapsed_ms,   (int64_t)p->cpu_us,  (int64_t)p->units};
+        const double errors[] = {p->error, p->error_low, p->error_high};
         for (int i = 0; i < 2; i++)
             sqlite3_bind_int64(forget, i + 1, numbers[i]);
-        for (int i = 0; i < 5; i++)
+        for (int i = 0; i < 6; i++)
             sqlite3_bind_int64(q, i + 1, numbers[i]);
-        sqlite3_bind_double(q, 6, p->error);
+        for (int i = 0; i < 3; i++)
+            sqlite3_bind_double(q, i + 7, errors[i]);
         ok = (sqlite3_step(forget) == SQLITE_DONE && sqlite3_step(q) == SQLITE_DONE) ||
              failed(s, err);
     }
@@ -396,7 +408,8 @@ bool store_points(struct store *s, uint64_t number,
 {
     sqlite3_stmt *q = NULL;
     if (!prepare(s,
-                 "SELECT samples, spp, elapsed_ms, cpu_us, error FROM point WHERE job = ?1 "
+                 "SELECT samples, spp, elapsed_ms, cpu_us, units, error, error_low, error_high "
+                 "FROM point WHERE job = ?1 "
                  "ORDER BY samples",
                  &q, err))
         return false;
@@ -408,7 +421,10 @@ bool store_points(struct store *s, uint64_t number,
             .spp = (uint32_t)sqlite3_column_int64(q, 1),
             .elapsed_ms = sqlite3_column_int64(q, 2),
             .cpu_us = (uint64_t)sqlite3_column_int64(q, 3),
-            .error = sqlite3_column_double(q, 4),
+            .units = (uint64_t)sqlite3_column_int64(q, 4),
+            .error = sqlite3_column_double(q, 5),
+            .error_low = sqlite3_column_double(q, 6),
+            .error_high = sqlite3_column_double(q, 7),
         };
         each(context, &p);
     }

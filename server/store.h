@@ -38,6 +38,8 @@ struct store_failure {
     uint32_t tile, pass;
 };
 
+enum { STORE_WARNINGS = 2048 };
+
 struct store_report {             /* report.h; of the film that the error is of */
     double error_low, error_high; /* 95 % interval of the error; < 0: unknown */
     double unknown, heavy; /* shares of pixels without trusted bars (evidence.h); < 0: unknown */
@@ -76,6 +78,7 @@ struct store_job {
     char digest[HASH_HEX];  /* of the finished image; "" before */
     uint64_t checkpoint;    /* generation of the film on disk; 0: none */
     struct store_failure failure;
+    char warnings[STORE_WARNINGS]; /* status_warnings.h; "": none */
 };
 
 struct store_point {  /* of a job's curve (convergence.h) */
@@ -83,7 +86,8 @@ struct store_point {  /* of a job's curve (convergence.h) */
     uint32_t spp;
     int64_t elapsed_ms;
     uint64_t cpu_us;
-    double error;
+    uint64_t units;                      /* of work (common/film.h) */
+    double error, error_low, error_high; /* the ends of its 95 % interval; < 0: unknown */
 };
 
 struct store; /* opaque */

@@ -55,12 +55,12 @@ def renders(f, t):
     told = json.loads(done.stdout)
     t.equal((told["output"], told["spp"], told["state"], done.stderr), (out, 8, "done", ""),
             "render --json: one object and silence")
-    odd = f.run("render", small, "-o", out, "--tile", "33", env=env)
-    t.ok(odd.returncode == 2 and "--tile: expected a multiple of 8, got 33" in odd.stderr, "render --tile: whole blocks only", odd.stderr)
     png = os.path.join(f.dir, "small.png")
     done = f.run("render", small, "-o", out, "--spp", "8", "--quiet", "--png", png, env=env)
     with open(png, "rb") as file:
         t.ok(done.returncode == 0 and file.read(8) == b"\x89PNG\r\n\x1a\n", "render --png: a picture beside the image")
+    odd = f.run("render", small, "-o", out, "--tile", "33", env=env)
+    t.ok(odd.returncode == 2 and "--tile: expected a multiple of 8, got 33" in odd.stderr, "render --tile: whole blocks only", odd.stderr)
     done = f.run("render", small, "-o", out, "--error", "0.5", "--quiet", "--json", env=env)
     told = json.loads(done.stdout)
     t.ok(done.returncode == 0 and told["error"] <= .5 and told["target"]["error"] == .5,
@@ -134,6 +134,20 @@ def takes_its_children_along(f, t):
     t.ok(True, "kill -9: its processes die with it")
 
 
+def replays_a_sample(f, t, job, env):
+    told = json.loads(f.run("replay", job, "5,9", "3", "--json", env=env).stdout)
+    t.ok((told["pixel"], told["sample"]) == ([5, 9], 3) and told["end"], "replay --json: the pixel, the sample, its end", told)
+    path = told["path"]
+    t.ok(path and path[0]["throughput"] == [1, 1, 1] and all(len(p["point"]) == 3 and p["material"] for p in path),
+         "replay: what the path has met", told)
+    t.ok(all(a <= b for p in path for a, b in zip(p["light"], told["radiance"])), "light is only found, never lost", told)
+    text = f.run("replay", job, "5,9", "3", env=env).stdout
+    t.ok(f"  0  {path[0]['material']}" in text and told["end"] in text, "replay: the same for people", text)
+    t.equal(f.run("replay", job, "5000,9", "3", env=env).returncode, 3, "replay: no such pixel, status 3")
+    t.equal(f.run("replay", job, "5", "3", env=env).returncode, 2, "replay: no pixel, status 2")
+    t.equal(f.run("replay", "0" * 16, "5,9", "3", env=env).returncode, 1, "replay: no such job, status 1")
+
+
 def works_with_a_coordinator(f, t):
     env = {**os.environ, "SMALTI_SERVER": f.url}
     small, out = os.path.join(f.dir, "small.json"), os.path.join(f.dir, "fetched.exr")
@@ -155,6 +169,7 @@ def works_with_a_coordinator(f, t):
         t.equal(file.read(8), b"\x89PNG\r\n\x1a\n", "fetch --png: a PNG")
     t.equal(f.run("cancel", job, env=env).returncode, 1, "cancel: a job that has ended, status 1")
 
+    replays_a_sample(f, t, job, env)
     waited = f.run("submit", small, "--wait", env=env)
     t.equal((waited.returncode, waited.stdout.strip() != job), (0, True), "submit --wait: another job, done")
     worker.stop()
@@ -212,7 +227,23 @@ def checks_scenes(f, t):
          checked.stderr)
     told = json.loads(f.run("check", bad, "--json").stdout)
     t.ok(not told["valid"] and "/camera/fov_deg" in [e["pointer"] for e in told["errors"]], "check --json", told)
-    t.equal(json.loads(f.run("check", "scenes/cornell-box.json", "--json").stdout), {"valid": True, "errors": []},
+    loud = {"smalti": 1, "film": {"width": 16, "height": 16}, "materials": {"m": {"type": "diffuse", "albedo": [2, 1, 0.5]}},
+            "camera": {"type": "perspective", "fov_deg": 40, "look_at": {"from": [0, 1, 5], "to": [0, 1, 0]}},
+            "shapes": [{"type": "sphere", "material": "m", "center": [0, 1, 0], "radius": 1}],
+            "settings": {"rescale": True, "target": {"spp": 8}}}
+    path = write(f, "loud.json", loud)
+    change = {"pointer": "/materials/m/albedo", "detail": "more light than there is: was 2, 1, 0.5, became 1, 0.5, 0.25",
+              "was": [2, 1, 0.5], "became": [1, 0.5, 0.25]}
+    told = json.loads(f.run("check", path, "--json").stdout)
+    t.equal(told, {"valid": True, "errors": [], "warnings": [change]}, "check --json says what rescale has changed")
+    said = f.run("check", path)
+    t.ok(said.returncode == 0 and said.stderr == f"warning: {path}: {change['pointer']}: {change['detail']}\n",
+         "and check on stderr", said)
+    job = f.submit(loud)
+    f.server.stop()
+    f.start_server()
+    t.equal(f.get(f"/v1/jobs/{job}")["warnings"], [change], "a job's status says it, after a restart, too")
+    t.equal(json.loads(f.run("check", "scenes/cornell-box.json", "--json").stdout), {"valid": True, "errors": [], "warnings": []},
             "check --json: a valid scene")
     t.equal(f.run("check", "scenes/cornell-box.json").returncode, 0, "check: status 0")
 
@@ -242,7 +273,7 @@ def compares_images(f, t):
 
 
 def explains_itself(f, t):
-    for command in "render submit status watch fetch cancel check plan diff digest".split():
+    for command in "render submit status watch fetch cancel replay check plan diff digest".split():
         told = f.run(command, "--help")
         t.ok(told.returncode == 0 and told.stdout.startswith(f"Usage: smalti {command}") and
              "xit status" in told.stdout, f"{command} --help")

@@ -29,6 +29,8 @@ BEYOND_A_SCHEMA = {
     "cylinder-world-short": "two points and a transform",
     "cylinder-world-thin": "a radius and a transform",
     "disc-ellipse": "geometry of a transform",
+    "emission-texture-mask": "a shape against its material",
+    "emission-texture-unknown": "a name against names",
     "film-crop-empty": "begin against end",
     "film-crop-outside": "window against film",
     "film-crop-swapped": "begin against end",

@@ -5,9 +5,11 @@
 #include <math.h>
 
 #include "common/trace/bvh.h"
+#include "common/trace/medium.h"
 #include "common/trace/surface.h"
 
 static const double pi = 3.14159265358979323846;
+static const double least_alpha = 0x1p-10; /* docs/scene.md; of glass, alpha (ior - 1) */
 
 struct dir {
     double x, y, z; /* local: z along the side of the surface that wo is on */
@@ -87,13 +89,37 @@ static bool rough_dielectric(const struct material *m, double eta, struct dir wo
     return wi->z < 0;
 }
 
+/* Either side by half, whatever they return. */
+static void leaf(const struct material *m, struct dice *dice, struct dir *wi, double weight[3])
+{
+    const bool back = dice_unit(dice) < .5;
+    *wi = diffuse(dice);
+    if (!back)
+        wi->z = -wi->z;
+    for (int k = 0; k < 3; k++)
+        weight[k] = 2 * (double)(back ? m->leaf.reflectance : m->leaf.transmittance)[k];
+}
+
+/* A slab of glass, its two faces one after the other, until the light is out. */
+static struct dir pane(double ior, struct dir wo, struct dice *dice)
+{
+    const double r = fresnel(wo.z, ior);
+    bool down = true; /* through the glass */
+    if (dice_unit(dice) < r)
+        return (struct dir){-wo.x, -wo.y, wo.z};
+    while (dice_unit(dice) < r)
+        down = !down;
+    return (struct dir){-wo.x, -wo.y, down ? -wo.z : wo.z};
+}
+
 static bool either_dielectric(const struct material *m, bool front, struct dir wo,
                               struct dice *dice, struct dir *wi, double weight[3])
 {
     const double ior = (double)m->dielectric.ior, eta = front ? ior : 1 / ior;
+    const double alpha = (double)m->dielectric.alpha, bends = ior > 1 ? ior - 1 : 1 / ior - 1;
     double scale = 1;
     bool goes_on = true;
-    if (m->dielectric.alpha > 0)
+    if (alpha >= least_alpha && alpha * bends >= least_alpha)
         goes_on = rough_dielectric(m, eta, wo, dice, wi, &scale);
     else
         *wi = dielectric(eta, wo, dice, &scale);
@@ -138,17 +164,23 @@ static bool scatter(const struct material *m, bool front, struct dir wo, struct 
         return either_dielectric(m, front, wo, dice, wi, weight);
     case MATERIAL_CONDUCTOR:
         return conductor(m, wo, dice, wi, weight);
+    case MATERIAL_LEAF:
+        leaf(m, dice, wi, weight);
+        return true;
     case MATERIAL_PANE:
+        *wi = pane((double)m->pane.ior, wo, dice);
+        for (int k = 0; k < 3; k++)
+            weight[k] = 1;
+        return true;
+    case MATERIAL_MIX:
+    case MATERIAL_MASK:
+    case MATERIAL_TWO_SIDED: /* looked through before */
     case MATERIAL_METAL:
     case MATERIAL_ROUGH_DIFFUSE:
     case MATERIAL_RETROREFLECTOR:
-    case MATERIAL_LEAF:
     case MATERIAL_PLASTIC:
     case MATERIAL_PRINCIPLED:
     case MATERIAL_CLOTH:
-    case MATERIAL_MIX:
-    case MATERIAL_MASK:
-    case MATERIAL_TWO_SIDED:
         break; /* scenes with them are beyond it */
     }
     __builtin_unreachable();
@@ -195,6 +227,97 @@ static bool in_sun(const struct emitter *sun, vec3 dir)
     return 1 - dot / sqrt(length) <= (double)sun->cap;
 }
 
+/* --- what there is at a hit --- */
+
+/* Which material of those that it is made of; NULL: nothing, the ray goes straight on. */
+static const struct material *material_of(const struct stage *s, uint32_t i, bool front,
+                                          struct dice *dice)
+{
+    const struct material *m = (const struct material *)stage_at(s, s->materials) + i;
+    switch ((int)m->kind) {
+    case MATERIAL_MASK:
+        if (dice_unit(dice) >= (double)m->mask.opacity)
+            return NULL;
+        return material_of(s, m->mask.of, front, dice);
+    case MATERIAL_MIX: {
+        const bool second = dice_unit(dice) < (double)m->mix.amount;
+        return material_of(s, second ? m->mix.second : m->mix.first, front, dice);
+    }
+    case MATERIAL_TWO_SIDED:
+        return material_of(s, front ? m->two_sided.front : m->two_sided.back, front, dice);
+    default:
+        return m;
+    }
+}
+
+/* The bodies that the ray is in, in the order in which it has entered them (medium.h). */
+struct bodies {
+    uint32_t count;
+    const struct material *list[32];
+};
+
+static const struct material *filling(const struct bodies *b)
+{
+    const struct material *best = NULL;
+    for (uint32_t i = 0; i < b->count; i++)
+        if (!best || b->list[i]->inside.priority >= best->inside.priority)
+            best = b->list[i];
+    return best;
+}
+
+static struct bodies without(const struct bodies *b, const struct material *m)
+{
+    struct bodies rest = {0};
+    uint32_t at = b->count;
+    for (uint32_t i = 0; i < b->count; i++)
+        at = b->list[i] == m ? i : at;
+    for (uint32_t i = 0; i < b->count; i++)
+        if (i != at)
+            rest.list[rest.count++] = b->list[i];
+    return rest;
+}
+
+static struct bodies with(const struct bodies *b, const struct material *m)
+{
+    struct bodies all = *b;
+    if (all.count < countof(all.list))
+        all.list[all.count++] = m;
+    return all;
+}
+
+static double ior_in(const struct bodies *b)
+{
+    const struct material *m = filling(b);
+    return m ? (double)m->dielectric.ior : 1;
+}
+
+/* A surface of a body: *seen is the interface as the viewer's side has it. False: it is not there,
+ * and the ray is on its other side. */
+static bool interface(const struct stage *s, struct bodies *here, const struct material *m,
+                      bool *front, struct material *seen)
+{
+    const struct bodies beyond = *front ? with(here, m) : without(here, m);
+    *seen = *m;
+    if (!(s->media & MEDIUM_ORDERED))
+        return true;
+    const struct bodies *inside = *front ? &beyond : here;
+    if (filling(inside) != m) {
+        *here = beyond;
+        return false;
+    }
+    const double ratio = ior_in(&beyond) / ior_in(here);
+    seen->dielectric.ior = (float)(*front ? ratio : 1 / ratio);
+    return true;
+}
+
+static void absorb(const struct bodies *b, double distance, double throughput[3])
+{
+    const struct material *m = filling(b);
+    for (int k = 0; m && k < 3; k++)
+        if (m->inside.absorption[k] > 0)
+            throughput[k] *= exp(-(double)m->inside.absorption[k] * distance);
+}
+
 /* Whitted's paths go on from these. */
 static bool is_smooth(const struct material *m)
 {
@@ -202,46 +325,107 @@ static bool is_smooth(const struct material *m)
            (m->kind == MATERIAL_DIELECTRIC && m->dielectric.alpha == 0);
 }
 
+static void leave(const struct stage *s, const double throughput[3], vec3 dir, bool sky,
+                  double sum[3])
+{
+    const struct emitter *emitters = stage_at(s, s->emitters);
+    if (sky)
+        add(sum, throughput, s->sky);
+    for (uint32_t e = s->beyond_begin; e < s->emitters.count; e++)
+        if (emitters[e].kind == EMITTER_MAP)
+            add(sum, throughput, of_map(s, &emitters[e], dir));
+        else if (in_sun(&emitters[e], dir))
+            add(sum, throughput, vec3_load(emitters[e].radiance));
+}
+
+struct walk {
+    const struct stage *stage;
+    struct dice *dice;
+    struct ray ray;
+    struct bodies bodies;
+    double throughput[3], *sum;
+    struct surface at;
+    bool front;
+    const struct material *material;
+    struct material seen;
+};
+
+/* To the next surface that is there; false: it has left the scene. */
+static bool arrive(struct walk *w, bool sky)
+{
+    const struct emitter *emitters = stage_at(w->stage, w->stage->emitters);
+    for (;;) {
+        struct ray_hit hit;
+        const bool met = bvh_hit_closest(w->stage, &w->ray, &hit);
+        absorb(&w->bodies, met ? (double)hit.t : (double)INFINITY, w->throughput);
+        if (!met) {
+            leave(w->stage, w->throughput, w->ray.dir, sky, w->sum);
+            return false;
+        }
+        w->at = surface_at(w->stage, &w->ray, &hit);
+        w->front = vec3_dot(w->ray.dir, w->at.ng) < 0;
+        w->material = material_of(w->stage, w->at.material, w->front, w->dice);
+        if (w->material && w->front && w->at.emitter != STAGE_NONE)
+            add(w->sum, w->throughput, vec3_load(emitters[w->at.emitter].radiance));
+        const bool body =
+            w->material ==
+                (const struct material *)stage_at(w->stage, w->stage->materials) + w->at.material &&
+            w->material->kind == MATERIAL_DIELECTRIC;
+        const struct material *m = w->material;
+        if (body)
+            w->material = &w->seen;
+        if (m && (!body || interface(w->stage, &w->bodies, m, &w->front, &w->seen)))
+            return true;
+        w->ray = surface_leave(&w->at, w->ray.dir);
+    }
+}
+
+/* By the body of the surface that it has passed. */
+static void cross(struct walk *w, const struct dir *wi)
+{
+    const struct material *m =
+        (const struct material *)stage_at(w->stage, w->stage->materials) + w->at.material;
+    if (wi->z < 0 && m->kind == MATERIAL_DIELECTRIC)
+        w->bodies = w->front ? with(&w->bodies, m) : without(&w->bodies, m);
+}
+
+static struct bodies around(const struct stage *s)
+{
+    struct bodies b = {0};
+    for (uint32_t i = 0; s->media && i < s->around.count; i++)
+        b = with(&b, (const struct material *)stage_at(s, s->materials) + s->around.material[i]);
+    return b;
+}
+
 void naive_path_radiance(const struct stage *s, struct ray ray, struct dice *dice, double sum[3])
 {
-    const struct material *materials = stage_at(s, s->materials);
-    const struct emitter *emitters = stage_at(s, s->emitters);
-    double throughput[3] = {1, 1, 1};
+    struct walk w = {.stage = s,
+                     .dice = dice,
+                     .ray = ray,
+                     .bodies = around(s),
+                     .throughput = {1, 1, 1},
+                     .sum = sum};
     bool lights_alone = false; /* behind the last surface of a path of Whitted's */
     for (uint32_t bounce = 0;; bounce++) {
-        struct ray_hit hit;
-        if (!bvh_hit_closest(s, &ray, &hit)) {
-            if (!lights_alone)
-                add(sum, throughput, s->sky);
-            for (uint32_t e = s->beyond_begin; e < s->emitters.count; e++)
-                if (emitters[e].kind == EMITTER_MAP)
-                    add(sum, throughput, of_map(s, &emitters[e], ray.dir));
-                else if (in_sun(&emitters[e], ray.dir))
-                    add(sum, throughput, vec3_load(emitters[e].radiance));
+        if (!arrive(&w, !lights_alone) || bounce == s->settings.max_bounces || lights_alone)
             return;
-        }
-        const struct surface at = surface_at(s, &ray, &hit);
-        const bool front = vec3_dot(ray.dir, at.ng) < 0;
-        if (front && at.emitter != STAGE_NONE)
-            add(sum, throughput, vec3_load(emitters[at.emitter].radiance));
-        if (bounce == s->settings.max_bounces || lights_alone)
-            return;
-        lights_alone =
-            s->settings.integrator == INTEGRATOR_WHITTED && !is_smooth(&materials[at.material]);
-        const vec3 z = front ? at.ng : -at.ng;
+        lights_alone = s->settings.integrator == INTEGRATOR_WHITTED && !is_smooth(w.material);
+        const vec3 z = w.front ? w.at.ng : -w.at.ng;
         vec3 x, y;
         tangents(z, &x, &y);
-        const struct dir wo = {(double)-vec3_dot(ray.dir, x), (double)-vec3_dot(ray.dir, y),
-                               (double)-vec3_dot(ray.dir, z)};
+        const struct dir wo = {(double)-vec3_dot(w.ray.dir, x), (double)-vec3_dot(w.ray.dir, y),
+                               (double)-vec3_dot(w.ray.dir, z)};
         struct dir wi;
         double weight[3], left = 0;
-        if (!scatter(&materials[at.material], front, wo, dice, &wi, weight))
+        if (!scatter(w.material, w.front, wo, dice, &wi, weight))
             return;
         for (int k = 0; k < 3; k++)
-            left += throughput[k] *= weight[k];
+            left += w.throughput[k] *= weight[k];
         if (left == 0)
             return;
-        ray = surface_leave(&at, vec3_unit(x * (float)wi.x + y * (float)wi.y + z * (float)wi.z));
+        cross(&w, &wi);
+        w.ray =
+            surface_leave(&w.at, vec3_unit(x * (float)wi.x + y * (float)wi.y + z * (float)wi.z));
     }
 }
 

@@ -4,7 +4,10 @@
  * No next-event estimation, no MIS, no roulette, independent random numbers, textbook formulas
  * in double. Integrator and max_bounces are obeyed (Whitted's mirrors and glass are
  * those that are smooth). It shares with the core only the stage, the intersections and surface
- * points. Point and distant lights are never met: scenes with them are beyond it.
+ * points. Point and distant lights are never met: scenes with them are beyond it, and so are
+ * textures, vertex normals and all materials but diffuse ones, mirrors, glass, metal of one width,
+ * leaves and panes. Of these there may be mixes, masks and two-sided ones, and bodies of glass may
+ * absorb and overlap.
  * SPDX-License-Identifier: MIT */
 #ifndef TESTS_NAIVE_PATH_H
 #define TESTS_NAIVE_PATH_H

@@ -255,6 +255,33 @@ static void odd_maps(void)
     scenes_release(&s);
 }
 
+/* Were it merely improbable, strategy "light" would leave it to aiming, which does not find it. */
+static void dim_pixels_are_not_aimed_at(void)
+{
+    struct scenes s;
+    scenes_init(&s, 1, 1);
+    float(*p)[3] = add_map(&s, 16, 8);
+    fill_gray(p, 16 * 8, .5f);
+    fill_gray(p + 37, 1, 9);
+    const struct stage *stage = scenes_stage(&s);
+    const struct light_map_sample last =
+        light_map_sample(stage, map_of(stage), (struct sobol_bits){UINT32_MAX, UINT32_MAX});
+    struct dice d = dice_make(5);
+    int aimed_at = 0;
+    for (int i = 0; i < 20000; i++) {
+        vec3 dir = {0};
+        float pdf_w;
+        for (int k = 0; k < 3; k++)
+            dir[k] = (float)dice_normal(&d);
+        const rgb seen = light_map_pixel(stage, map_of(stage), vec3_unit(dir), &pdf_w);
+        aimed_at += seen[0] < 1 && pdf_w != 0;
+    }
+    ok(aimed_at == 0 && last.pixel[0] == 9 && isfinite(last.pdf_w),
+       "pixels that are not above the mean have no chance at all, the last ones neither: %d have",
+       aimed_at);
+    scenes_release(&s);
+}
+
 /* --- A-22, F-30 --- */
 
 enum { W = 1024, H = 512 };
@@ -401,6 +428,7 @@ int main(void)
     maps_follow();
     seen_where_it_is();
     odd_maps();
+    dim_pixels_are_not_aimed_at();
     sun_pixels((struct sun){600, 120, 1}, vec3_make(0, 1, 0), "sun pixel");
     sun_pixels((struct sun){100, 250, 1}, vec3_make(-.3f, 1, .2f), "sun pixel near the horizon");
     sun_pixels((struct sun){300, 0, 2}, vec3_make(0, 1, 0), "2 x 2 at the pole");

@@ -231,6 +231,25 @@ static void index_one(void)
        "a body of index 1 is not there (%.4f, %.4f, %.4f)", mean[0], mean[1], mean[2]);
 }
 
+/* The sky through a veil in two balls of index 1, the inner one hidden by the outer one: masks are
+ * looked through behind a surface that is not there, too, one after the other. */
+static void veils_in_bodies(void)
+{
+    const vec3 origin = vec3_make(0, 0, 0), z = vec3_make(0, 0, 1);
+    for (int veils = 1; veils <= 2; veils++) {
+        struct scenes s = begin(vec3_make(0, 0, 4), origin, 1e-3);
+        const struct material veil = {.kind = MATERIAL_MASK,
+                                      .mask = {scenes_diffuse(&s, rgb_gray(0)), .25f}};
+        const uint32_t m = scenes_material(&s, veil);
+        scenes_sphere(&s, body(&s, 1, 2, 0), origin, 1);
+        scenes_sphere(&s, body(&s, 1, 1, 0), origin, .5f);
+        for (int i = 0; i < veils; i++)
+            scenes_disc(&s, m, .1f * (float)i * z, z, .3f);
+        scenes_sky(&s, rgb_gray(1));
+        is_true(&s, 16384, pow(.75, veils), .01, "the sky through veils in a body in a body");
+    }
+}
+
 int main(void)
 {
     slabs();
@@ -238,5 +257,6 @@ int main(void)
     nested();
     camera_inside();
     index_one();
+    veils_in_bodies();
     return tap_done();
 }

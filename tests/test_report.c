@@ -131,7 +131,7 @@ static void says_it_in_json(void)
                                              .energy = 3,
                                              .clamped = 1,
                                              .cut = 0,
-                                             .work = {1, 2, 3, 4, 5, 60},
+                                             .work = {1, 2, 3, 4, 5, 6},
                                              .dropped = {6, 7}},
                                   .invalid_count = 1,
                                   .key_count = 1,
@@ -146,7 +146,7 @@ static void says_it_in_json(void)
         "\"count\":1,"
         "\"keys\":[[8,9,10]]},\"triangles_dropped\":{\"degenerate\":6,\"not_finite\":7},\"work\":{"
         "\"camera_rays\":1,\"bounce_rays\":2,\"shadow_rays\":3,\"plain_vertices\":4,"
-        "\"other_vertices\":5,\"units\":60}}";
+        "\"other_vertices\":5,\"units\":6}}";
     if (!ok(text && !strcmp(text, want), "a report is said in JSON"))
         diag("%s", text ? text : "(none)");
     free(text);

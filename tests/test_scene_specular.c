@@ -95,11 +95,15 @@ static void dielectrics(void)
 {
     struct material m = material_of("\"type\": \"dielectric\", \"ior\": 1.5");
     ok(m.kind == MATERIAL_DIELECTRIC && m.dielectric.ior == 1.5f &&
-           is_rgb(m.inside.absorption, 0, 0, 0) && m.inside.priority == 0,
+           is_rgb(m.inside.absorption, 0, 0, 0) && m.inside.priority == 0 &&
+           !m.dielectric.multiscatter,
        "clear, and without a priority");
     m = material_of("\"type\": \"dielectric\", \"ior\": 1.5, \"absorption\": [1, 20, 0], "
                     "\"priority\": 7");
     ok(is_rgb(m.inside.absorption, 1, 20, 0) && m.inside.priority == 7, "absorption, priority");
+    m = material_of(
+        "\"type\": \"dielectric\", \"ior\": 1.5, \"alpha\": 0.5, \"multiscatter\": true");
+    ok(m.dielectric.multiscatter && m.dielectric.alpha == .5f, "light of several facets of glass");
     m = material_of("\"type\": \"thin_dielectric\", \"ior\": 1.5");
     ok(m.kind == MATERIAL_PANE && m.pane.ior == 1.5f, "a pane");
 }

@@ -75,6 +75,7 @@ static struct store_job full_row(void)
     hash_hex("x", 1, row.digest);
     row.checkpoint = 12;
     row.failure = (struct store_failure){.has_pass = true, .tile = 3, .pass = 2};
+    snprintf(row.warnings, STORE_WARNINGS, "[{\"pointer\":\"/a\"}]");
     snprintf(row.failure.reason, STORE_REASON, "a 'quoted' reason, \xc3\xa4");
     return row;
 }
@@ -99,7 +100,7 @@ static bool rows_equal(const struct store_job *a, const struct store_job *b)
            a->image_version == b->image_version && !strcmp(a->digest, b->digest) &&
            a->checkpoint == b->checkpoint && !strcmp(a->failure.reason, b->failure.reason) &&
            a->failure.has_pass == b->failure.has_pass && a->failure.tile == b->failure.tile &&
-           a->failure.pass == b->failure.pass;
+           a->failure.pass == b->failure.pass && !strcmp(a->warnings, b->warnings);
 }
 
 static void rows(void)
@@ -127,8 +128,8 @@ static void rows(void)
     store_close(s);
 }
 
-/* A store as version 1 left it is taken over: its jobs have no layers and no report, and tiles that
- * are whole blocks from now on. */
+/* A store as version 1 left it is taken over: its jobs have no layers, warnings or report, and
+ * tiles that are whole blocks from now on. */
 static void former_version(void)
 {
     struct err err = {.text = ""};
@@ -138,27 +139,28 @@ static void former_version(void)
     store_close(s);
     sqlite3 *db = NULL;
     ok(sqlite3_open(path_of("v1.db"), &db) == SQLITE_OK &&
-           sqlite3_exec(
-               db,
-               "ALTER TABLE job DROP COLUMN error_low;"
-               "ALTER TABLE job DROP COLUMN error_high;"
-               "ALTER TABLE job DROP COLUMN unknown;"
-               "ALTER TABLE job DROP COLUMN heavy;"
-               "ALTER TABLE job DROP COLUMN energy;"
-               "ALTER TABLE job DROP COLUMN clamped;"
-               "ALTER TABLE job DROP COLUMN cut;"
-               "ALTER TABLE job DROP COLUMN camera_rays;"
-               "ALTER TABLE job DROP COLUMN bounce_rays;"
-               "ALTER TABLE job DROP COLUMN shadow_rays;"
-               "ALTER TABLE job DROP COLUMN plain_vertices;"
-               "ALTER TABLE job DROP COLUMN other_vertices;"
-               "ALTER TABLE job DROP COLUMN units;"
-               "ALTER TABLE job DROP COLUMN degenerate;"
-               "ALTER TABLE job DROP COLUMN nonfinite;"
-               "ALTER TABLE job DROP COLUMN stratified;"
-               "ALTER TABLE job DROP COLUMN layers; UPDATE job SET tile_px = 33; DROP TABLE point; "
-               "PRAGMA user_version = 1",
-               NULL, NULL, NULL) == SQLITE_OK,
+           sqlite3_exec(db,
+                        "ALTER TABLE job DROP COLUMN error_low;"
+                        "ALTER TABLE job DROP COLUMN error_high;"
+                        "ALTER TABLE job DROP COLUMN unknown;"
+                        "ALTER TABLE job DROP COLUMN heavy;"
+                        "ALTER TABLE job DROP COLUMN energy;"
+                        "ALTER TABLE job DROP COLUMN clamped;"
+                        "ALTER TABLE job DROP COLUMN cut;"
+                        "ALTER TABLE job DROP COLUMN camera_rays;"
+                        "ALTER TABLE job DROP COLUMN bounce_rays;"
+                        "ALTER TABLE job DROP COLUMN shadow_rays;"
+                        "ALTER TABLE job DROP COLUMN plain_vertices;"
+                        "ALTER TABLE job DROP COLUMN other_vertices;"
+                        "ALTER TABLE job DROP COLUMN units;"
+                        "ALTER TABLE job DROP COLUMN degenerate;"
+                        "ALTER TABLE job DROP COLUMN nonfinite;"
+                        "ALTER TABLE job DROP COLUMN warnings;"
+                        "ALTER TABLE job DROP COLUMN stratified;"
+                        "DROP TABLE point; ALTER TABLE job DROP COLUMN layers; UPDATE job SET "
+                        "tile_px = 33; PRAGMA "
+                        "user_version = 1",
+                        NULL, NULL, NULL) == SQLITE_OK,
        "it becomes one of version 1");
     sqlite3_close(db);
     struct seen seen = {.count = 0};
@@ -166,6 +168,7 @@ static void former_version(void)
     row.layers = 0;
     row.tile_px = 40;
     row.report = report_none();
+    *row.warnings = '\0';
     row.stratified = false;
     ok(s && store_jobs(s, note, &seen, &err) && seen.count == 1 && rows_equal(&seen.jobs[0], &row),
        "and is read by this one %s", err.text);

@@ -30,7 +30,7 @@ static struct wire_samples message(struct arena *arena, bool flat, uint32_t laye
             block_add(b, flat ? .25f : (float)((i + k) * 2654435761u % 1024));
     }
     w.samples.dropped = (struct film_dropped){3, 4};
-    w.samples.work = (struct film_work){1, 2, 3, 4, 5, (uint64_t)6 << 32};
+    w.samples.work = (struct film_work){1, 2, 3, 4, (uint64_t)5 << 32, (uint64_t)1 << 40};
     film_samples_add_layers(&w.samples, layers, arena);
     for (uint32_t i = 0; i < tile_rect_pixels(r) * layers_channels(layers); i++)
         w.samples.layer_sums[i] = (float)i - 100;
@@ -157,13 +157,13 @@ static void refuses_blocks(struct arena *arena)
     b.sum = 0x1p+201;
     refuses_block("a sum that no samples have", good, &b);
     b = fine;
-    b.square = NAN;
+    b.square = (double)NAN;
     refuses_block("a block's sum of squares that is no number", good, &b);
     b = fine;
-    b.clamped = INFINITY;
+    b.clamped = (double)INFINITY;
     refuses_block("an infinite clamped light", good, &b);
     b = fine;
-    b.cut = NAN;
+    b.cut = (double)NAN;
     refuses_block("a cut light that is no number", good, &b);
     b = fine;
     b.met = 4 * 2 * 16 + 1;

@@ -90,6 +90,9 @@ function showCurve(root, { pixels, points, target, forecast }) {
         svg.append(shape("line", { x1: left, x2: width - right, y1: y(target.error), y2: y(target.error), class: "target" }),
             shape("text", { x: left + 6, y: y(target.error) - 6, class: "target-name" }, "target"));
     svg.append(shape("polyline", { points: seen.map((p) => `${x(p.samples / pixels)},${y(p.error)}`).join(" "), class: "line" }));
+    for (const p of seen.filter((p) => p.interval?.[0] > 0))
+        svg.append(shape("line", { x1: x(p.samples / pixels), x2: x(p.samples / pixels),
+            y1: y(Math.max(p.interval[0], range.y0)), y2: y(Math.min(p.interval[1], range.y1)), class: "bar95" }));
     for (const p of seen)
         svg.append(shape("circle", { cx: x(p.samples / pixels), cy: y(p.error), r: 3.2 }));
     field(root, "curve").replaceChildren(svg);

@@ -10,10 +10,9 @@
 
 #include "common/clock.h"
 #include "common/http_client.h"
-#include "common/image_asset.h"
-#include "common/log.h"
-#include "common/mesh.h"
 #include "common/http_problem.h"
+#include "common/log.h"
+#include "common/scene_fill.h"
 #include "common/trace/prep.h"
 #include "worker/team.h"
 
@@ -23,8 +22,6 @@ enum {
     NAP_MS = 50,         /* how soon a stop is noticed between tries */
     PATIENCE_MS = 30000, /* with a worker that prepares our scene and shows no life */
 };
-
-#define ASSET_MAX_BYTES ((size_t)2 << 30)
 
 struct loader {
     pthread_t thread;
@@ -84,7 +81,7 @@ static bool get_asset(struct loader *l, const char *hex, size_t max_bytes, struc
             return true;
         }
         if (err->code != ERR_IO || atomic_load(&l->stopped))
-            return err_at(err, "asset %s", hex);
+            return false;
         log_debug("asset_retry asset=%s reason=\"%s\"", hex, err->text);
         nap(l, delay);
     }
@@ -105,8 +102,10 @@ static bool fault(struct load *load, const char *kind)
 static bool load_document(struct loader *l, struct load *load, struct workshop *w,
                           struct scene *scene)
 {
-    if (!get_asset(l, load->document, SCENE_MAX_BYTES, &w->bytes, &load->err))
+    if (!get_asset(l, load->document, SCENE_MAX_BYTES, &w->bytes, &load->err)) {
+        err_at(&load->err, "document %s", load->document);
         return fault(load, "worker");
+    }
     struct scene_errors errors = {0};
     if (scene_parse(scene, (const char *)w->bytes.data, w->bytes.size, SCENE_FROM_NET, &w->scene,
                     &errors))
@@ -115,38 +114,25 @@ static bool load_document(struct loader *l, struct load *load, struct workshop *
     return fault(load, "input");
 }
 
-static bool load_meshes(struct loader *l, struct load *load, struct workshop *w,
-                        struct scene *scene)
+static bool get_for_scene(void *loader, const char *hex, size_t max_bytes, struct buf *out,
+                          struct err *err)
 {
-    for (uint32_t i = 0; i < scene->mesh_count; i++) {
-        struct mesh *mesh = &scene->meshes[i];
-        if (mesh->format == MESH_INLINE)
-            continue;
-        buf_release(&w->bytes);
-        if (!get_asset(l, mesh->asset, ASSET_MAX_BYTES, &w->bytes, &load->err))
-            return fault(load, "worker");
-        if (!mesh_read(mesh, w->bytes.data, w->bytes.size, &w->scene, &load->err)) {
-            err_at(&load->err, "asset %s", mesh->asset);
-            return fault(load, "input");
-        }
-    }
-    return true;
+    return get_asset(loader, hex, max_bytes, out, err);
 }
 
-static bool load_images(struct loader *l, struct load *load, struct workshop *w,
+static bool load_assets(struct loader *l, struct load *load, struct workshop *w,
                         struct scene *scene)
 {
-    for (uint32_t i = 0; i < scene->image_count; i++) {
-        struct image_asset *image = &scene->images[i];
-        buf_release(&w->bytes);
-        if (!get_asset(l, image->asset, ASSET_MAX_BYTES, &w->bytes, &load->err))
-            return fault(load, "worker");
-        if (!image_asset_read(image, w->bytes.data, w->bytes.size, &w->scene, &load->err)) {
-            err_at(&load->err, "asset %s", image->asset);
-            return fault(load, "input");
-        }
+    const struct scene_fill from = {get_for_scene, l};
+    switch (scene_fill(scene, &from, &w->scene, &load->err)) {
+    case SCENE_FILL_DONE:
+        return true;
+    case SCENE_FILL_NOT_GOT:
+        return fault(load, "worker");
+    case SCENE_FILL_FAULTY:
+        return fault(load, "input");
     }
-    return true;
+    __builtin_unreachable();
 }
 
 /* Where the time went, and how the scene came to be here. */
@@ -179,8 +165,7 @@ static bool prepare(struct loader *l, struct load *load, struct story *story, in
         err_set(&load->err, ERR_IO, "the worker stops");
         return fault(load, "worker");
     }
-    bool good = load_document(l, load, &w, &scene) && load_meshes(l, load, &w, &scene) &&
-                load_images(l, load, &w, &scene);
+    bool good = load_document(l, load, &w, &scene) && load_assets(l, load, &w, &scene);
     buf_release(&w.bytes);
     story->load_ms = lap(last_ms);
     struct team team = {.threads = l->threads};

@@ -2,7 +2,9 @@
 #include "common/trace/bsdf_glass.h"
 
 #include "common/trace/fresnel.h"
+#include "common/trace/glass_albedo.h"
 #include "common/trace/microfacet.h"
+#include "common/trace/several.h"
 
 static vec3 upright(vec3 w)
 {
@@ -71,19 +73,69 @@ static float refract_weight(const struct material *m, float scale, vec3 wi)
     return microfacet_g1(upright(wi), m->dielectric.alpha) * scale;
 }
 
-/* --- both --- */
+/* --- several facets --- */
 
-rgb bsdf_glass_eval(const struct material *m, vec3 wo, vec3 wi)
+struct several {
+    struct glass_albedo of;
+    float sum;   /* of the means, by n^2 */
+    float above; /* of it above */
+};
+
+static struct several several_make(const struct material *m)
+{
+    const float n = m->dielectric.ior;
+    struct several s = {.of = {n, m->dielectric.alpha}};
+    s.above = glass_albedo_mean(&s.of, false);
+    s.sum = s.above + n * n * glass_albedo_mean(&s.of, true);
+    return s;
+}
+
+static float several_missing(const struct several *s, vec3 w)
+{
+    return s->sum > SEVERAL_LEAST ? glass_albedo_missing(&s->of, w[2] < 0, w[2] < 0 ? -w[2] : w[2])
+                                  : 0;
+}
+
+float bsdf_glass_several_eval(const struct material *m, vec3 wo, vec3 wi)
+{
+    const struct several s = several_make(m);
+    const float both = several_missing(&s, wo) * several_missing(&s, wi);
+    const float nn = wo[2] > 0 ? 1 : s.of.ior * s.of.ior;
+    return both > 0 ? both * nn / s.sum * warp_cosine_pdf_w(upright(wi)[2]) : 0;
+}
+
+static float both_pdf_w(const struct several *s, float once, vec3 wo, vec3 wi)
+{
+    const float chance = several_missing(s, wo);
+    if (!(chance > 0))
+        return once;
+    const float side = (wi[2] > 0 ? s->above : s->sum - s->above) / s->sum;
+    return (1 - chance) * once + chance * side * several_pdf_w(upright(wi), s->of.alpha);
+}
+
+/* number: in [0, 1). */
+static vec3 several_sample(const struct several *s, float number, struct square q)
+{
+    const float above = s->above / s->sum;
+    const bool up = number < above;
+    const vec3 w =
+        several_direction(up ? number / above : (number - above) / (1 - above), q, s->of.alpha);
+    return up ? w : vec3_make(w[0], w[1], -w[2]);
+}
+
+/* --- all --- */
+
+static float once_eval(const struct material *m, vec3 wo, vec3 wi)
 {
     const float eta = eta_from(m, wo), sides = wo[2] * wi[2];
     if (sides > 0)
-        return rgb_gray(reflect_eval(m, eta, upright(wo), upright(wi)));
+        return reflect_eval(m, eta, upright(wo), upright(wi));
     if (sides < 0)
-        return rgb_gray(refract_pdf_w(m, wo, wi) * refract_weight(m, 1 / (eta * eta), wi));
-    return rgb_gray(0);
+        return refract_pdf_w(m, wo, wi) * refract_weight(m, 1 / (eta * eta), wi);
+    return 0;
 }
 
-float bsdf_glass_pdf_w(const struct material *m, vec3 wo, vec3 wi)
+static float once_pdf_w(const struct material *m, vec3 wo, vec3 wi)
 {
     const float sides = wo[2] * wi[2];
     if (sides > 0)
@@ -91,8 +143,23 @@ float bsdf_glass_pdf_w(const struct material *m, vec3 wo, vec3 wi)
     return sides < 0 ? refract_pdf_w(m, wo, wi) : 0;
 }
 
-bool bsdf_glass_sample(const struct material *m, vec3 wo, float lobe, struct square q,
-                       struct bsdf_sample *s)
+rgb bsdf_glass_eval(const struct material *m, vec3 wo, vec3 wi)
+{
+    const float once = once_eval(m, wo, wi);
+    return rgb_gray(m->dielectric.multiscatter ? once + bsdf_glass_several_eval(m, wo, wi) : once);
+}
+
+float bsdf_glass_pdf_w(const struct material *m, vec3 wo, vec3 wi)
+{
+    const float once = once_pdf_w(m, wo, wi);
+    if (!m->dielectric.multiscatter)
+        return once;
+    const struct several s = several_make(m);
+    return both_pdf_w(&s, once, wo, wi);
+}
+
+static bool once_sample(const struct material *m, vec3 wo, float lobe, struct square q,
+                        struct bsdf_sample *s)
 {
     const float alpha = m->dielectric.alpha, eta = eta_from(m, wo);
     const vec3 o = upright(wo), h = microfacet_visible(o, alpha, q);
@@ -105,8 +172,26 @@ bool bsdf_glass_sample(const struct material *m, vec3 wo, float lobe, struct squ
     s->wi = wo[2] > 0 ? i : vec3_make(i[0], i[1], -i[2]);
     s->scale = reflects ? 1 : 1 / (eta * eta);
     /* From the directions: both sides of an MIS weight must see the same (bsdf.c, conductor). */
-    s->pdf_w = bsdf_glass_pdf_w(m, wo, s->wi);
+    s->pdf_w = once_pdf_w(m, wo, s->wi);
     s->weight =
         rgb_gray(reflects ? microfacet_weight(o, i, alpha) : refract_weight(m, s->scale, s->wi));
     return s->pdf_w > 0; /* else rounding has left no facet for it, and 0 says delta */
+}
+
+bool bsdf_glass_sample(const struct material *m, vec3 wo, float lobe, struct square q,
+                       struct bsdf_sample *s)
+{
+    if (!m->dielectric.multiscatter)
+        return once_sample(m, wo, lobe, q, s);
+    const struct several several = several_make(m);
+    const float chance = several_missing(&several, wo), eta = eta_from(m, wo);
+    if (lobe < chance) {
+        s->wi = several_sample(&several, lobe / chance, q);
+        s->scale = s->wi[2] * wo[2] > 0 ? 1 : 1 / (eta * eta);
+    } else if (!once_sample(m, wo, (lobe - chance) / (1 - chance), q, s)) {
+        return false;
+    }
+    s->pdf_w = both_pdf_w(&several, once_pdf_w(m, wo, s->wi), wo, s->wi);
+    s->weight = bsdf_glass_eval(m, wo, s->wi) / s->pdf_w;
+    return s->pdf_w > 0 && s->wi[2] != 0;
 }

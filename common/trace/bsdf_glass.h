@@ -12,7 +12,8 @@
  * exactly is the Beta function B(1 + L(o), 1 + L(i)) (E. Heitz et al., "Multiple-Scattering
  * Microfacet BSDFs with the Smith Model", SIGGRAPH 2016), which needs logarithms and powers; the
  * product lies between the two, is reciprocal, and makes no light: both weights are at most 1.
- * Single scattering only: light that meets a second facet is lost.
+ * Light that meets a second facet is lost, or with `multiscatter` given back by a lobe over the
+ * whole sphere (glass_albedo.h), sampled with the chance of what is missing.
  *
  * Directions as in bsdf.h, from either side; not for what bsdf_is_delta says is smooth.
  * SPDX-License-Identifier: MIT */
@@ -27,5 +28,8 @@ float bsdf_glass_pdf_w(const struct material *, vec3 wo, vec3 wi);
 
 bool bsdf_glass_sample(const struct material *, vec3 wo, float lobe, struct square direction,
                        struct bsdf_sample *);
+
+/* The lobe of several facets alone, for glass with `multiscatter`. */
+float bsdf_glass_several_eval(const struct material *, vec3 wo, vec3 wi);
 
 #endif

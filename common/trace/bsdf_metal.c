@@ -5,8 +5,8 @@
 #include "common/trace/facet.h"
 #include "common/trace/fresnel.h"
 #include "common/trace/local.h"
+#include "common/trace/several.h"
 #include "common/trace/thinfilm.h"
-#include "common/trace/warp.h"
 
 /* --- parameters --- */
 
@@ -47,11 +47,10 @@ static rgb fresnel_mean(const struct material *m)
            fresnel(m, 0.707107f) * (8 / 18.0f);
 }
 
-/* The chance to sample it. Where less than 1 / 4096 is missing on the whole, nothing is added: it
- * is missing where o and i graze alone, and the lobe would be too bright there to be found. */
+/* The chance to sample it. */
 static float several_chance(vec3 o, struct facet a)
 {
-    return albedo_missing_mean(a) > 0x1p-12f ? albedo_missing(o, a) : 0;
+    return albedo_missing_mean(a) > SEVERAL_LEAST ? albedo_missing(o, a) : 0;
 }
 
 static rgb several_eval(const struct material *m, vec3 o, vec3 i, struct facet a)
@@ -65,33 +64,6 @@ static rgb several_eval(const struct material *m, vec3 o, vec3 i, struct facet a
 static float wider(struct facet a)
 {
     return a.x > a.y ? a.x : a.y;
-}
-
-/* Of narrow lobes half of the directions are even in z / (z + width), since what is missing of them
- * is missing near the horizon; the others, and all of the widest, by the cosine. */
-static float low_share(struct facet a)
-{
-    return 0.5f * (1 - wider(a));
-}
-
-static vec3 low_direction(struct square q, struct facet a)
-{
-    const float z = q.v * wider(a) / (1 + wider(a) - q.v), r = __builtin_sqrtf(1 - z * z);
-    float s, c;
-    fmath_sincos_turns(q.u, &s, &c);
-    return vec3_make(r * c, r * s, z);
-}
-
-static float low_pdf_w(vec3 i, struct facet a)
-{
-    const float sum = i[2] + wider(a);
-    return 0.5f * FMATH_INV_PI * wider(a) * (1 + wider(a)) / (sum * sum);
-}
-
-static float several_pdf_w(vec3 i, struct facet a)
-{
-    const float low = low_share(a);
-    return (1 - low) * warp_cosine_pdf_w(i[2]) + low * low_pdf_w(i, a);
 }
 
 /* --- all --- */
@@ -114,7 +86,7 @@ float bsdf_metal_pdf_w(const struct material *m, vec3 wo, vec3 wi)
     if (!m->metal.multiscatter)
         return once;
     const float several = several_chance(o, a);
-    return (1 - several) * once + several * several_pdf_w(i, a);
+    return (1 - several) * once + several * several_pdf_w(i, wider(a));
 }
 
 static bool mirror_sample(const struct material *m, vec3 wo, struct bsdf_sample *s)
@@ -135,7 +107,7 @@ bool bsdf_metal_sample(const struct material *m, vec3 wo, float lobe, struct squ
     const float several = m->metal.multiscatter ? several_chance(o, a) : 0;
     float cos = 0;
     if (lobe < several) {
-        s->wi = lobe < low_share(a) * several ? low_direction(q, a) : warp_cosine(q);
+        s->wi = several_direction(lobe / several, q, wider(a));
     } else {
         const vec3 h = facet_visible(o, a, q);
         cos = vec3_dot(o, h);

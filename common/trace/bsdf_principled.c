@@ -79,18 +79,28 @@ static rgb sheen_loss(const struct view *v, float cos)
     return color * stack_loss(&v->clear, STACK_FIBRES, v->m->principled.sheen_roughness, cos);
 }
 
+/* And what both keep of what facets of a dielectric reflect. */
+static rgb dielectric_loss(const struct view *v, float cos)
+{
+    const float r = (v->base.ior - 1) / (v->base.ior + 1), f0 = r * r;
+    if (is_smooth(v->base.alpha))
+        return sheen_loss(v, cos);
+    return sheen_loss(v, cos) + stack_loss(&v->layers, STACK_FACETS, v->base.alpha, cos) * f0 +
+           stack_loss(&v->layers, STACK_GRAZING, v->base.alpha, cos) * (1 - f0);
+}
+
 /* passes: coat and sheen, along the cosine. */
 static rgb left_for_diffuse(const struct view *v, float cos, rgb passes)
 {
     const float below = coat_passes(&v->base, cos);
-    if (!v->layered)
-        return rgb_gray(below);
-    const rgb left = passes * below + sheen_loss(v, cos);
-    if (is_smooth(v->base.alpha))
-        return left;
-    const float r = (v->base.ior - 1) / (v->base.ior + 1), f0 = r * r;
-    return left + stack_loss(&v->layers, STACK_FACETS, v->base.alpha, cos) * f0 +
-           stack_loss(&v->layers, STACK_GRAZING, v->base.alpha, cos) * (1 - f0);
+    return v->layered ? passes * below + dielectric_loss(v, cos) : rgb_gray(below);
+}
+
+/* Over the way through: it comes back up. */
+static rgb left_for_glass(const struct view *v, float cos, rgb passes)
+{
+    (void)passes;
+    return dielectric_loss(v, cos);
 }
 
 static float missing_at(float alpha, float cos)
@@ -126,13 +136,17 @@ static rgb diffuse_mean(const struct view *v)
     return v->layered ? layered_mean(v, left_for_diffuse) : rgb_gray(coat_passes_mean(&v->base));
 }
 
+static rgb divisor(rgb mean) /* where nothing is left, 0 is divided by it */
+{
+    const rgb none = rgb_gray(0x1p-20f);
+    return vec3_choose(mean > none, mean, none);
+}
+
 static rgb metal_mean(const struct view *v)
 {
-    const rgb none = rgb_gray(0x1p-20f); /* where nothing is missing, 0 is divided by it */
     if (!v->layered)
         return rgb_gray(albedo_missing_mean((struct facet){v->base.alpha, v->base.alpha}));
-    const rgb mean = layered_mean(v, left_for_metal);
-    return vec3_choose(mean > none, mean, none);
+    return divisor(layered_mean(v, left_for_metal));
 }
 
 /* --- the parts --- */
@@ -147,7 +161,7 @@ static float even_chance(const struct view *v, float cos, float below)
         metallic > 0 && !is_smooth(alpha) ? missing_at(alpha, cos) + 0.1f * v->layered * alpha : 0;
     return rgb_max(v->passes * k) * v->opaque * below +
            rgb_max(v->passes * m->principled.base_color) * metallic * missing +
-           0.1f * v->chance[LOBE_SHEEN];
+           0.1f * (v->chance[LOBE_SHEEN] + v->layered * alpha * v->through);
 }
 
 static void set_chances(struct view *v, vec3 wo)
@@ -204,6 +218,7 @@ static struct view view_make(const struct material *m, vec3 wo)
                      .chance = {0}};
     v.glass.dielectric.ior = m->principled.ior;
     v.glass.dielectric.alpha = alpha;
+    v.glass.dielectric.multiscatter = true;
     if (wo[2] < 0) {
         v.chance[LOBE_GLASS] = 1;
         return v;
@@ -224,6 +239,18 @@ static rgb facets(const struct view *v, float cos)
            (1 - metallic) * fresnel_dielectric(cos < 1 ? cos : 1, v->base.ior, &cos_t);
 }
 
+/* What comes back of what the way through has left, above. */
+static rgb glass_again(const struct view *v, vec3 wo, vec3 wi, rgb passes)
+{
+    rgb f = rgb_gray(0);
+    if (!bsdf_is_delta(&v->glass))
+        f = passes * bsdf_glass_several_eval(&v->glass, wo, wi);
+    if (v->layered)
+        f += dielectric_loss(v, wo[2]) * dielectric_loss(v, wi[2]) /
+             divisor(layered_mean(v, left_for_glass)) * warp_cosine_pdf_w(wi[2]);
+    return f * v->through;
+}
+
 static rgb reflect_eval(struct view *v, vec3 wo, vec3 wi)
 {
     set_even(v, wo);
@@ -239,6 +266,8 @@ static rgb reflect_eval(struct view *v, vec3 wo, vec3 wi)
         f += metal_again(v, wi[2], passes) * even;
     if (!is_smooth(v->base.alpha))
         f += less * facets(v, cos) * microfacet_reflect(wo, wi, h, v->base.alpha);
+    if (v->through > 0)
+        f += glass_again(v, wo, wi, less);
     if (!rgb_is_black(v->m->principled.sheen_color)) {
         const float a = passes_coat(v, wo[2]), b = passes_coat(v, wi[2]);
         f += v->m->principled.sheen_color *

@@ -84,33 +84,43 @@ float bvh_prim_in_instance(const struct bvh_query *q, const struct bvh_space *sp
     return t > 0 ? settle_in_object(q, space, index, t) : 0;
 }
 
+/* In the box of a ball. */
+static float settle_in_ball(const struct bvh_query *q, const float center[3], float radius, float t)
+{
+    vec3 lo, hi;
+    sphere_bounds(center, radius, &lo, &hi);
+    return settle_in_world(q, lo, hi, t);
+}
+
+static float settle_in_cylinder(const struct bvh_query *q, const struct stage_cylinder *c, float t)
+{
+    vec3 lo, hi;
+    cylinder_bounds(c, &lo, &hi);
+    return settle_in_world(q, lo, hi, t);
+}
+
 float bvh_prim_round(const struct bvh_query *q, struct stage_place place, uint32_t *prim)
 {
-    const struct ray ray = {
-        .origin = q->tri.ray->origin, .dir = q->tri.ray->dir, .t_max = q->t_max};
+    const struct ray *ray = q->tri.ray;
     const struct stage *s = q->stage;
-    vec3 lo, hi;
     float t;
     switch ((enum stage_kind)place.kind) {
     case STAGE_SPHERE: {
         const struct stage_sphere *p =
             (const struct stage_sphere *)stage_at(s, s->spheres) + place.index;
         *prim = p->prim;
-        sphere_bounds(p->center, p->radius, &lo, &hi);
-        return sphere_hit(&ray, p, &t) ? bvh_prim_settle(q, lo, hi, t) : 0;
+        return sphere_hit(ray, p, &t) ? settle_in_ball(q, p->center, p->radius, t) : 0;
     }
     case STAGE_DISC: {
         const struct stage_disc *p = (const struct stage_disc *)stage_at(s, s->discs) + place.index;
         *prim = p->prim;
-        sphere_bounds(p->center, p->radius, &lo, &hi);
-        return sphere_disc_hit(&ray, p, &t) ? bvh_prim_settle(q, lo, hi, t) : 0;
+        return sphere_disc_hit(ray, p, &t) ? settle_in_ball(q, p->center, p->radius, t) : 0;
     }
     case STAGE_CYLINDER: {
         const struct stage_cylinder *p =
             (const struct stage_cylinder *)stage_at(s, s->cylinders) + place.index;
         *prim = p->prim;
-        cylinder_bounds(p, &lo, &hi);
-        return cylinder_hit(&ray, p, &t) ? bvh_prim_settle(q, lo, hi, t) : 0;
+        return cylinder_hit(ray, p, &t) ? settle_in_cylinder(q, p, t) : 0;
     }
     case STAGE_TRIANGLE:
         break;

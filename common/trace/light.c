@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "common/trace/light.h"
 
+#include "common/trace/glow.h"
 #include "common/trace/light_cylinder.h"
 #include "common/trace/light_map.h"
 #include "common/trace/light_spot.h"
@@ -181,6 +182,18 @@ static struct surface point_on_sphere(const struct stage *s, struct stage_id id,
 
 /* --- the choice --- */
 
+static rgb radiance_on(const struct stage *s, const struct emitter *e, const struct surface *on,
+                       struct square q)
+{
+    if (e->texture == STAGE_NONE)
+        return vec3_load(e->radiance);
+    const struct square b =
+        e->place.kind == STAGE_TRIANGLE ? warp_triangle(q) : (struct square){0, 0};
+    const struct ray_hit hit = {
+        .prim = e->prim, .place = e->place, .instance = STAGE_NONE, .u = b.u, .v = b.v};
+    return glow_on(s, e, &hit, on);
+}
+
 /* No flat or round primitive sees its own front, so `from` never chooses its own. */
 static bool sample_primitive(const struct stage *s, const struct surface *from,
                              const struct emitter *e, float pick, struct square q,
@@ -222,7 +235,7 @@ static bool sample_primitive(const struct stage *s, const struct surface *from,
     if (!(pdf_w > 0))
         return false;
     out->pdf_w = pick * pdf_w;
-    out->value = vec3_load(e->radiance) / out->pdf_w;
+    out->value = radiance_on(s, e, &on, q) / out->pdf_w;
     out->wi = vec3_unit(on.p - from->p);
     out->shadow = surface_to_surface(from, &on);
     return true;

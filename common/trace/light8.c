@@ -109,7 +109,8 @@ static void lamp_fill(const struct stage *s, uint32_t lane, const struct emitter
 bool light8_fit(const struct emitter *emitters, uint64_t count)
 {
     for (uint64_t i = 0; i < count; i++)
-        if (emitters[i].kind != EMITTER_PRIM || emitters[i].place.kind != STAGE_TRIANGLE)
+        if (emitters[i].kind != EMITTER_PRIM || emitters[i].place.kind != STAGE_TRIANGLE ||
+            emitters[i].texture != STAGE_NONE)
             return false;
     return count > 0 && count <= STAGE_LANES;
 }

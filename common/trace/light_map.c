@@ -21,10 +21,23 @@ static rgb pixel_of(const struct stage *s, const struct stage_map *map, uint32_t
     return vec3_load(pixels[map->pixel_begin + (size_t)row * map->width + column].rgb);
 }
 
-/* Of a part of [0, 2^32): a choice's. */
+/* Where a part of [0, 2^32) begins, of the numbers that are left for it: the largest stands for the
+ * end, so that what comes last may be as impossible as anything else. (Were it merely improbable,
+ * the strategy that trusts light sampling would leave it to that.) */
+static double begin_of(uint32_t begin)
+{
+    return begin < UINT32_MAX ? (double)begin : 0x1p32;
+}
+
+static uint32_t kept(uint32_t number)
+{
+    return number < UINT32_MAX ? number : UINT32_MAX - 1;
+}
+
+/* Of a part: a choice's. */
 static double width_of(uint32_t begin, uint32_t index, uint32_t count, uint32_t next)
 {
-    return (index + 1 < count ? (double)next : 0x1p32) - (double)begin;
+    return (index + 1 < count ? begin_of(next) : 0x1p32) - begin_of(begin);
 }
 
 static double row_width(const struct stage_map *map, const struct stage_map_row *rows, uint32_t row)
@@ -81,6 +94,7 @@ struct light_map_sample light_map_sample(const struct stage *s, const struct sta
                                          struct sobol_bits q)
 {
     const struct stage_map_row *rows = rows_of(s, map);
+    q = (struct sobol_bits){kept(q.u), kept(q.v)};
     const uint32_t row = find_row(map, rows, q.v);
     const uint32_t *columns = columns_of(s, map, row);
     const uint32_t column = find_column(map, columns, q.u);

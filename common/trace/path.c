@@ -3,6 +3,7 @@
 
 #include "common/trace/bsdf.h"
 #include "common/trace/bvh.h"
+#include "common/trace/glow.h"
 #include "common/trace/light.h"
 #include "common/trace/path_mask.h"
 #include "common/trace/path_media.h"
@@ -57,7 +58,8 @@ struct path_vertex path_vertex_make(const struct stage *s, const struct ray *ray
     v.material = (const struct material *)stage_at(s, s->materials) + v.at.material;
     v.wo = warp_to_local(&v.frame, -ray->dir);
     v.raised.is = false;
-    if ((s->slots.count || s->reliefs.count) && textured_needs(v.material))
+    if (((s->slots.count || s->reliefs.count) && textured_needs(v.material)) ||
+        (s->glowing && glow_is(s, v.at.emitter)))
         v.point = textured_point(s, ray, hit, &v.at, width);
     if (s->details.count)
         path_shade(s, ray, hit, &v, work);
@@ -81,7 +83,8 @@ rgb path_emission(const struct stage *s, const struct path_vertex *v)
 {
     if (v->at.emitter == STAGE_NONE || !(v->wo[2] > 0))
         return (rgb){0, 0, 0, 0};
-    return path_radiance(s, v->at.emitter);
+    const struct emitter *e = (const struct emitter *)stage_at(s, s->emitters) + v->at.emitter;
+    return e->texture == STAGE_NONE ? vec3_load(e->radiance) : glow_at(s, e, &v->point);
 }
 
 /* What of a chosen light goes on to wo, if nothing is in its way. */

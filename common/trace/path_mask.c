@@ -36,15 +36,14 @@ static bool meets(const struct stage *s, const struct ray *ray, struct ray_hit *
     return bvh_hit_closest(s, ray, hit);
 }
 
-static bool is_stopped(const struct stage *s, const struct path_mask_rays *r, uint32_t i)
+bool path_mask_stops(const struct stage *s, const struct path_mask_ray *r)
 {
-    struct ray *ray = &r->rays[i];
-    struct ray_hit *hit = &r->hits[i];
-    for (uint32_t crossing = 0;; crossing++) {
+    struct ray *ray = r->ray;
+    struct ray_hit *hit = r->hit;
+    for (uint32_t crossing = r->crossing;; crossing++) {
         const struct surface at = surface_at(s, ray, hit);
         const float stops = opacity(s, ray, hit, &at);
-        if (stops >= 1 ||
-            rng_single(&r->rngs[i], rng_dimension_mask(r->bounce[i], crossing)) < stops)
+        if (stops >= 1 || rng_single(r->rng, rng_dimension_mask(r->bounce, crossing)) < stops)
             return true;
         *ray = beyond(ray, &at);
         if (!meets(s, ray, hit, r->work))
@@ -57,7 +56,9 @@ uint32_t path_mask_pass(const struct stage *s, uint32_t found, const struct path
     uint32_t stopped = 0;
     for (; found; found &= found - 1) {
         const uint32_t i = (uint32_t)__builtin_ctz(found);
-        if (is_stopped(s, r, i))
+        const struct path_mask_ray one = {&r->rngs[i], r->bounce[i], 0,
+                                          &r->rays[i], &r->hits[i],  r->work};
+        if (path_mask_stops(s, &one))
             stopped |= 1u << i;
     }
     return stopped;

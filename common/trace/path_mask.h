@@ -19,6 +19,17 @@ struct path_mask_rays {
     struct film_work *work; /* counts on */
 };
 
+struct path_mask_ray { /* one of them, from where it has met so many masks */
+    const struct rng *rng;
+    uint32_t bounce, crossing;
+    struct ray *ray;
+    struct ray_hit *hit;
+    struct film_work *work;
+};
+
+/* It has met *hit. False: nothing stops it. */
+bool path_mask_stops(const struct stage *, const struct path_mask_ray *);
+
 /* found: bit i of those that have a hit, hits[i] the closest; returns the same for those that are
  * stopped, hits[i] then the first that does it, and rays[i] as it was traced last. */
 uint32_t path_mask_pass(const struct stage *, uint32_t found, const struct path_mask_rays *);

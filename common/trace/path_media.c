@@ -2,6 +2,7 @@
 #include "common/trace/path_media.h"
 
 #include "common/trace/bvh.h"
+#include "common/trace/path_mask.h"
 
 /* Whether the vertex scatters: a surface of a body may not be there, and the path is then behind
  * it. An index below 1 is its inverse from the other side, which becomes the front: bsdf.h knows no
@@ -62,12 +63,22 @@ static float distance(const struct stage *s, const struct path *p, const struct 
     return s->masked ? hit->t + vec3_length(ray->origin - p->vertex.at.p) : hit->t;
 }
 
-bool path_media_arrive(const struct stage *s, struct path *p, const struct ray *ray,
-                       const struct ray_hit *hit, float width)
+/* Behind the n-th surface that is not there. Masks before it have taken numbers of 2^8 each. */
+static bool goes_on(const struct stage *s, struct path *p, const struct path_media_way *way,
+                    uint32_t n, struct ray *ray, struct ray_hit *hit)
 {
-    struct ray onward = *ray;
+    const struct path_mask_ray masked = {way->rng, way->bounce, n << 8, ray, hit, p->work};
+    *ray = surface_leave(&p->vertex.at, ray->dir);
+    p->work->bounce_rays++;
+    return bvh_hit_closest(s, ray, hit) && (!s->masked || path_mask_stops(s, &masked));
+}
+
+bool path_media_arrive(const struct stage *s, struct path *p, const struct path_media_way *way)
+{
+    const struct ray_hit *hit = way->hit;
+    struct ray onward = *way->ray;
     struct ray_hit next;
-    for (uint32_t n = 0; n < MEDIUM_MOST_HIDDEN; n++) {
+    for (uint32_t n = 1; n <= MEDIUM_MOST_HIDDEN; n++) {
         p->throughput *= medium_passed(s, &p->media->bodies, distance(s, p, &onward, hit));
         if (rgb_is_black(p->throughput))
             return false;
@@ -75,22 +86,19 @@ bool path_media_arrive(const struct stage *s, struct path *p, const struct ray *
             p->light += p->throughput * path_beyond(s, onward.dir, p->pdf_w);
             return false;
         }
-        const struct path_vertex v = path_vertex_make(s, &onward, hit, width, p->work);
+        const struct path_vertex v = path_vertex_make(s, &onward, hit, way->width, p->work);
         path_arrive(s, p, &v);
         if (interface_is_there(s, p))
             return true;
         p->pdf_w = 0; /* no shadow ray comes through it */
-        onward = surface_leave(&p->vertex.at, onward.dir);
-        p->work->bounce_rays++;
-        hit = bvh_hit_closest(s, &onward, &next) ? &next : NULL;
+        hit = goes_on(s, p, way, n, &onward, &next) ? &next : NULL;
     }
     return false;
 }
 
-bool path_media_begin(const struct stage *s, struct path *p, const struct ray *ray,
-                      const struct ray_hit *hit, float width)
+bool path_media_begin(const struct stage *s, struct path *p, const struct path_media_way *way)
 {
     p->media->bodies = s->around;
     p->pdf_w = 0;
-    return path_media_arrive(s, p, ray, hit, width);
+    return path_media_arrive(s, p, way);
 }

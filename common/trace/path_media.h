@@ -8,6 +8,7 @@
 
 #include "common/trace/medium.h"
 #include "common/trace/path.h"
+#include "common/trace/rng.h"
 
 struct path_media {
     struct stage_bodies bodies; /* around the vertex, on the side of wo */
@@ -16,14 +17,20 @@ struct path_media {
     bool entering;
 };
 
-/* A path along a camera ray, with light and throughput. hit: NULL for none. width: of the ray's
- * cone where it has arrived (cone.h). False: it ends, and has found what it finds. */
-bool path_media_begin(const struct stage *, struct path *, const struct ray *,
-                      const struct ray_hit *hit, float width);
+struct path_media_way { /* how a path has come to where it is */
+    const struct ray *ray;
+    const struct ray_hit *hit; /* past masks; NULL: there is none */
+    float width;               /* of the ray's cone there (cone.h) */
+    const struct rng *rng; /* the path's, and after how many scattering events: for masks that */
+    uint32_t bounce;       /* lie behind a surface that is not there */
+};
+
+/* A path along a camera ray, with light and throughput. False: it ends, and has found what it
+ * finds. */
+bool path_media_begin(const struct stage *, struct path *, const struct path_media_way *);
 
 /* In place of path_arrive and, without a hit, path_beyond. False: the path ends. */
-bool path_media_arrive(const struct stage *, struct path *, const struct ray *,
-                       const struct ray_hit *hit, float width);
+bool path_media_arrive(const struct stage *, struct path *, const struct path_media_way *);
 
 /* What is left of light along a shadow ray that starts in the direction wi, local. */
 rgb path_media_passed(const struct stage *, const struct path *, vec3 wi, const struct ray *shadow);

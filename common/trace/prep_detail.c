@@ -33,7 +33,11 @@ static struct prep_mesh *detail_mesh_of(const struct prep_plan *p, const struct 
 
 static uint32_t needs_of(const struct prep_plan *p, const struct shape *s)
 {
-    return p->scene->materials[s->material].needs;
+    uint32_t needs = p->scene->materials[s->material].needs;
+    if (s->glow)
+        needs |= p->scene->textures[s->glow - 1].kind == TEXTURE_VERTEX_COLOR ? MATERIAL_NEEDS_COLOR
+                                                                              : MATERIAL_NEEDS_UV;
+    return needs;
 }
 
 static bool wants_uv(uint32_t needs)

@@ -142,7 +142,12 @@ static uint32_t add_prim(struct prep_plan *p, uint32_t shape, struct stage_place
     const uint64_t at = p->head.emitters.count++;
     p->power[at] = PI * area * (double)rgb_luminance(from->emission);
     struct emitter *e = &p->emitters[at];
-    *e = (struct emitter){.kind = EMITTER_PRIM, .prim = prim, .place = place, .area = (float)area};
+    *e = (struct emitter){.kind = EMITTER_PRIM,
+                          .prim = prim,
+                          .place = place,
+                          .texture = from->glow ? from->glow - 1 : STAGE_NONE,
+                          .area = (float)area};
+    p->head.glowing |= from->glow != 0;
     vec3_store(e->radiance, from->emission);
     return prim;
 }

@@ -137,6 +137,9 @@ bool prep_texture_plan(struct prep_plan *p, struct arena *scratch, struct err *e
     bool *used = arena_new(scratch, bool, scene->texture_count);
     for (uint32_t i = 0; i < scene->slot_count; i++)
         used[scene->slots[i].texture] = true;
+    for (uint32_t i = 0; i < scene->shape_count; i++)
+        if (scene->shapes[i].glow)
+            used[scene->shapes[i].glow - 1] = true;
     for (uint32_t i = 0; i < scene->relief_count; i++) {
         if (scene->reliefs[i].normal_map != SCENE_NO_TEXTURE)
             used[scene->reliefs[i].normal_map] = true;

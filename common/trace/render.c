@@ -93,28 +93,66 @@ static void octet_put(struct octet *o, uint32_t which, struct wave *w, uint32_t 
     wave_put(w, which, &o->starts, o->rng.replicate, number);
 }
 
-/* A sample whose path may scatter so often. */
-static rgb sample_alone(const struct stage *s, struct film_key key, uint32_t max_bounces)
+/* A sample on its own, in lane 0. */
+struct lone {
+    struct octet octet;
+    struct wave wave;
+    rgb radiance[FILM_REPLICATES];
+};
+
+/* Its path may scatter so often. */
+static rgb go_alone(struct lone *l, const struct stage *s, struct film_key key,
+                    uint32_t max_bounces)
 {
     const uint32_t replicate = key.sample % FILM_REPLICATES, which = 1u << replicate;
-    struct octet o;
-    struct wave w;
-    rgb radiance[FILM_REPLICATES];
-    wave_init(&w, s, PATH_ROULETTE_BEGIN, NULL, radiance);
-    w.max_bounces = max_bounces;
-    octet_init(&o, s, key.x_px, key.y_px);
-    octet_go(&o, key.sample / FILM_REPLICATES);
-    octet_begin(&o, which);
-    if (max_bounces > 0)
-        o.starts.ends = which & ~o.starts.met;
-    octet_put(&o, which, &w, 0);
-    wave_finish(&w);
-    return radiance[replicate];
+    wave_init(&l->wave, s, PATH_ROULETTE_BEGIN, NULL, l->radiance);
+    l->wave.max_bounces = max_bounces;
+    octet_init(&l->octet, s, key.x_px, key.y_px);
+    octet_go(&l->octet, key.sample / FILM_REPLICATES);
+    octet_begin(&l->octet, which);
+    l->octet.starts.ends = max_bounces > 0 ? which & ~l->octet.starts.met : which;
+    octet_put(&l->octet, which, &l->wave, 0);
+    wave_finish(&l->wave);
+    return l->radiance[replicate];
+}
+
+static rgb sample_alone(const struct stage *s, struct film_key key, uint32_t max_bounces)
+{
+    struct lone l;
+    return go_alone(&l, s, key, max_bounces);
 }
 
 rgb render_sample(const struct stage *s, uint32_t x_px, uint32_t y_px, uint32_t sample)
 {
     return sample_alone(s, (struct film_key){x_px, y_px, sample}, s->settings.max_bounces);
+}
+
+void render_follow(const struct stage *s, struct film_key key, uint32_t bounces,
+                   struct render_place *out)
+{
+    const uint32_t most = s->settings.max_bounces;
+    struct lone l;
+    out->light = go_alone(&l, s, key, min_u32(bounces, most));
+    out->traced = l.wave.work.bounce_rays;
+    out->throughput = rgb_gray(1);
+    struct surface at = {.material = STAGE_NONE, .emitter = STAGE_NONE};
+    const uint32_t replicate = key.sample % FILM_REPLICATES;
+    if (bounces > most) {
+        out->material = STAGE_NONE;
+        return;
+    }
+    if (bounces == 0 && !s->media && l.octet.starts.met >> replicate & 1) {
+        at = wave_first(s, &l.octet.starts, replicate).at;
+    } else if (bounces > 0 ? l.wave.cut & 1 : l.octet.starts.met >> replicate & 1) {
+        const bool plain = l.wave.plain & 1;
+        at = plain ? path8_surface(s, l.wave.lanes.vertex, 0) : l.wave.paths[0].vertex.at;
+        out->throughput =
+            plain ? vec8_lane(&l.wave.lanes.throughput, 0) : l.wave.paths[0].throughput;
+    }
+    out->material = at.material;
+    out->p = at.p;
+    out->ng = at.ng;
+    out->shines = at.emitter != STAGE_NONE;
 }
 
 /* False for a NaN. */

@@ -18,7 +18,21 @@ void render_row(const struct stage *, struct film_samples *, uint32_t y_px);
 /* All rows. */
 void render_tile(const struct stage *, struct film_samples *);
 
-/* One sample's radiance, not yet judged finite: what render_row adds up, after the filter's sign. */
+/* One sample's radiance, not yet judged finite: what render_row adds up, after the filter's sign.
+ */
 rgb render_sample(const struct stage *, uint32_t x_px, uint32_t y_px, uint32_t sample);
+
+struct render_place {  /* where a sample's path has arrived */
+    uint32_t material; /* STAGE_NONE: it ended before; then only light and traced are set */
+    bool shines;
+    vec3 p, ng;      /* the point, and the unit normal of the surface's front; world, m */
+    rgb throughput;  /* what of light from here goes on to the camera */
+    rgb light;       /* found so far; once the path has ended, what render_sample returns */
+    uint64_t traced; /* rays of the path after the camera's */
+};
+
+/* The sample's path after so many scatterings (0: where the camera ray has arrived), the very one
+ * that was rendered. Traced from the start: for people who look at one sample. */
+void render_follow(const struct stage *, struct film_key, uint32_t bounces, struct render_place *);
 
 #endif

@@ -13,7 +13,9 @@
  *     1 + 4 bounce + p      purpose p below, at each bounce; a pair or a single number
  *     2^20 + 4 bounce       which material of those that make up one; a single number
  *     2^31 + 2^16 bounce + n    whether the n-th mask that the ray meets after so many bounces
- *                           stops it (from 2^16 masks on numbers are used again); a single number
+ *                           stops it (from 2^16 masks on numbers are used again; behind the k-th
+ *                           surface that is not there, path_media.h, n counts on from 2^8 k); a
+ *                           single number
  *     2^30                  the place on the lens, a pair: the elder's, like the filter's
  *
  * sampler.h has other numbers for the same map.

@@ -29,11 +29,9 @@ static inline void sphere_relative(const struct ray *r, const float center[3], d
  * inside. */
 static inline void sphere_bounds(const float center[3], float radius, vec3 *lo, vec3 *hi)
 {
-    *lo = *hi = vec3_make(0, 0, 0);
-    for (int k = 0; k < 3; k++) {
-        (*lo)[k] = round_down(center[k] - radius);
-        (*hi)[k] = round_up(center[k] + radius);
-    }
+    const vec3 c = vec3_load(center), up = vec3_make(1, 1, 1);
+    *lo = round_along(c - radius, -up);
+    *hi = round_along(c + radius, up);
 }
 
 /* The nearest t > 0 from outside or inside. False for a NaN. */

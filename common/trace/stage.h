@@ -180,6 +180,7 @@ struct emitter {
     enum emitter_kind kind;
     uint32_t prim;            /* EMITTER_PRIM */
     struct stage_place place; /* EMITTER_PRIM */
+    uint32_t texture;         /* EMITTER_PRIM: radiance is multiplied by it; STAGE_NONE: none */
     float radiance[3];        /* PRIM, SUN: radiance; POINT, SPOT: intensity; DISTANT: irradiance;
                                * MAP: of a pixel value of 1 */
     float at[3];              /* POINT, SPOT: position; DISTANT, SUN: direction of travel, unit */
@@ -208,7 +209,8 @@ struct stage_map_row {
     float edge, width;   /* s = (1 - cos) / 2 of the angle from the nearer pole: at the row's edge that
                           * is nearer to it, and how much more at the other */
     float solid_angle;   /* of one of its pixels */
-    uint32_t begin;      /* its part of [0, 2^32) begins here and ends where the next one's does */
+    uint32_t begin;      /* its part of [0, 2^32) begins here and ends where the next one's does;
+                          * UINT32_MAX: at the end, it is empty */
 };
 
 struct stage_map_pixel {
@@ -309,6 +311,7 @@ struct stage {
 
     uint32_t prim_count;
     uint32_t wrapped, masked; /* 1: there are materials made of others; among them masks */
+    uint32_t glowing;         /* 1: there are emitters with textures */
     uint32_t guide_shift;
     uint32_t far_begin, beyond_begin; /* among the emitters: see there */
 

@@ -18,21 +18,23 @@ void study_path_init(struct study_path *p, const struct stage *s, struct rng rng
 bool study_path_go(struct study_path *p, struct ray ray, bool first)
 {
     const struct stage *s = p->stage;
+    const uint32_t bounce = first ? 0 : p->bounce + 1; /* of the numbers for masks, as waves do */
     struct ray_hit hit;
     p->work->bounce_rays++;
     uint32_t found = bvh_hit_closest(s, &ray, &hit);
     if (s->masked && found)
         found = path_mask_pass(
-            s, found,
-            &(struct path_mask_rays){&p->rng, u32x8_splat(p->bounce), &ray, &hit, p->work});
+            s, found, &(struct path_mask_rays){&p->rng, u32x8_splat(bounce), &ray, &hit, p->work});
     if (first) {
         p->path.pdf_w = 0;
         p->path.vertex.at.p = ray.origin;
     } else {
         p->bounce++;
     }
-    if (p->path.media)
-        return path_media_arrive(s, &p->path, &ray, found ? &hit : NULL, 0);
+    if (p->path.media) {
+        const struct path_media_way way = {&ray, found ? &hit : NULL, 0, &p->rng, bounce};
+        return path_media_arrive(s, &p->path, &way);
+    }
     if (!found) {
         p->path.light += p->path.throughput * path_beyond(s, ray.dir, p->path.pdf_w);
         return false;

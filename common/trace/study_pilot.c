@@ -41,7 +41,7 @@ static uint32_t block_side(uint32_t begin, uint32_t end)
     return end - begin < BLOCK ? end - begin : BLOCK;
 }
 
-static struct tile_rect block_rect(const struct stage *s, uint32_t i)
+static struct tile_rect square_rect(const struct stage *s, uint32_t i)
 {
     const struct scene_film *f = &s->film;
     const struct study_place at = study_place(s, i, SALT);
@@ -88,7 +88,7 @@ static void render(const struct stage *s, struct film_samples *samples, struct t
 
 static void shoot_block(struct shot *shot, struct film_samples *samples, uint32_t block)
 {
-    samples->rect = block_rect(shot->stage, block);
+    samples->rect = square_rect(shot->stage, block);
     const uint32_t pixels = tile_rect_pixels(samples->rect);
     struct pixel *to = shot->pixels + shot->count;
     memset(to, 0, pixels * sizeof *to);

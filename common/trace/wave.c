@@ -269,10 +269,9 @@ static void arrive_in_media(struct wave *w, uint32_t which, uint32_t found,
     w->going = 0;
     for (; which; which &= which - 1) {
         const uint32_t i = lowest(which);
-        const struct ray_hit *hit = found >> i & 1 ? &hits[i] : NULL;
-        w->going |=
-            (uint32_t)path_media_arrive(w->stage, &w->paths[i], &w->rays[i], hit, w->cones[i].width)
-            << i;
+        const struct path_media_way way = {&w->rays[i], found >> i & 1 ? &hits[i] : NULL,
+                                           w->cones[i].width, &w->rngs[i], w->bounce[i] + 1};
+        w->going |= (uint32_t)path_media_arrive(w->stage, &w->paths[i], &way) << i;
     }
     w->going = not_cut(w, w->going);
 }
@@ -402,22 +401,22 @@ static void begin_paths(struct wave *w, uint32_t lanes, const struct wave_starts
 /* In a scene with media the light of the camera ray itself is the path's. False: it ends with it.
  */
 static bool begin_in_media(struct wave *w, uint32_t i, const struct wave_starts *starts, uint32_t k,
-                           uint32_t number)
+                           const struct rng *rng)
 {
     struct path *p = &w->paths[i];
     p->light = rgb_gray(0);
     p->throughput = rgb_gray(1);
     p->vertex.at.p = starts->origins[k];
-    const struct ray_hit *hit = starts->met >> k & 1 ? &starts->hits[k] : NULL;
-    const bool goes_on =
-        path_media_begin(w->stage, p, &starts->rays[k], hit, starts->cones[k].width) &&
-        w->max_bounces > 0;
+    const struct path_media_way way = {&starts->rays[k],
+                                       starts->met >> k & 1 ? &starts->hits[k] : NULL,
+                                       starts->cones[k].width, rng, 0};
+    const bool goes_on = path_media_begin(w->stage, p, &way) && w->max_bounces > 0;
     w->going |= (uint32_t)goes_on << i;
     w->plain &= ~(1u << i);
     if (w->terms)
-        note_terms(w->terms, 0, !goes_on, number, p->light);
+        note_terms(w->terms, 0, !goes_on, w->number[i], p->light);
     if (!goes_on)
-        w->radiance[number] = p->light;
+        w->radiance[w->number[i]] = p->light;
     return goes_on;
 }
 
@@ -429,9 +428,9 @@ static void put_in_media(struct wave *w, uint32_t which, const struct wave_start
         while (w->going == (1u << WAVE_LANES) - 1)
             step(w);
         const uint32_t i = lowest(~w->going);
-        if (!begin_in_media(w, i, starts, k, number + k))
-            continue;
         w->number[i] = number + k;
+        if (!begin_in_media(w, i, starts, k, &rngs[k]))
+            continue;
         w->bounce[i] = 0;
         w->cones[i] = starts->cones[k];
         rng8_set_lane(&w->rng, i, &rngs[k]);

@@ -6,19 +6,19 @@
 
 /* Per visit of the tree, each ray being as many visits longer as its beginning and end are worth.
  */
-#define RAY_ENDS           4
-#define CAMERA_VISIT 14
-#define BOUNCE_VISIT 34
-#define SHADOW_VISIT       8
-#define SHADOW_VISIT_ALONE 21 /* the light is sampled and the ray made for one path alone */
+#define RAY_ENDS           3
+#define CAMERA_VISIT       11
+#define BOUNCE_VISIT       26
+#define SHADOW_VISIT       23
+#define SHADOW_VISIT_ALONE 18 /* the light is sampled and the ray made for one path alone */
 #define PICK_STEP          14 /* of the search among lights */
 
-#define VERTEX_IN_LANES 60
-#define VERTEX_ALONE    255 /* plain, but for its lights */
+#define VERTEX_IN_LANES 57
+#define VERTEX_ALONE    148 /* plain, but for its lights */
 #define VERTEX_OTHER    440
 
 static const uint32_t of_sampler[] = {
-    [SAMPLER_SOBOL] = 0, [SAMPLER_INDEPENDENT] = 14, [SAMPLER_STRATIFIED] = 70};
+    [SAMPLER_SOBOL] = 0, [SAMPLER_INDEPENDENT] = 35, [SAMPLER_STRATIFIED] = 88};
 
 static uint32_t pick_steps(const struct stage *s)
 {

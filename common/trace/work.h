@@ -15,7 +15,7 @@
 #include "common/film.h"
 #include "common/trace/stage.h"
 
-enum { WORK_VERSION = 1 };
+enum { WORK_VERSION = 2 };
 
 /* Of a stage that is whole but for them. */
 struct stage_prices work_prices(const struct stage *);

@@ -60,7 +60,8 @@ static float lobe_width(const struct material *m)
 /* What is sampled by visible facets or by the cosine is 1 at most. */
 static double largest_weight(const struct material *m)
 {
-    if (m->kind == MATERIAL_METAL && m->metal.multiscatter)
+    if ((m->kind == MATERIAL_METAL && m->metal.multiscatter) ||
+        (m->kind == MATERIAL_DIELECTRIC && m->dielectric.multiscatter))
         return 3;
     if (m->kind == MATERIAL_PLASTIC)
         return 40;

@@ -1,0 +1,129 @@
+/* How fast errors fall (ACCURACY 5.5): of the samplers' points on integrands whose rate is known,
+ * and with TEST_LONG=1 of whole scenes, as `smalti chart` measures them.
+ *
+ * D. Mitchell, "Consequences of Stratified Sampling in Graphics", SIGGRAPH 1996: with an edge the
+ * error squared of spread points goes with n^(-3/2). A. Owen, "Scrambled Net Variance for Integrals
+ * of Smooth Functions", Annals of Statistics 25, 1997: without, with n^-3.
+ * SPDX-License-Identifier: MIT */
+#include <math.h>
+#include <string.h>
+
+#include "client/chart.h"
+#include "common/scene_disk.h"
+#include "common/trace/sampler.h"
+#include "tests/stat/stat.h"
+#include "tests/tap.h"
+
+enum { POINTS = 6, MOST = 1 << 14, GROUPS = 64, LANES = 8 };
+
+enum integrand { SMOOTH, EDGE, SPIKE };
+
+static double value_of(enum integrand f, double u, double v)
+{
+    switch (f) {
+    case SMOOTH:
+        return sin(3.14159265358979323846 * u) * sin(3.14159265358979323846 * v);
+    case EDGE:
+        return u + 0.7 * v < 0.8;
+    case SPIKE:
+        return 1 / sqrt(u);
+    }
+    __builtin_unreachable();
+}
+
+static const double truths[] = {
+    [SMOOTH] = 4 / (3.14159265358979323846 * 3.14159265358979323846), [EDGE] = 0.45, [SPIKE] = 2};
+
+/* Points 0 to MOST - 1 of replicate 0 in eight pixels at once, one in each lane. */
+static struct curve_value slope_of(enum integrand f, enum sampler_kind sampler, uint32_t repeats)
+{
+    static struct curve c;
+    const struct scene_settings how = {.sampler = sampler, .target = {.spp = MOST}};
+    memset(&c, 0, sizeof c);
+    c.points = POINTS;
+    c.runs = GROUPS;
+    for (uint32_t begin = 0; begin < repeats; begin += LANES) {
+        double sum[LANES] = {0};
+        uint32_t point = 0;
+        for (uint32_t i = 0; i < MOST; i++) {
+            struct rng8 rng = {0};
+            for (uint32_t k = 0; k < LANES; k++) {
+                const struct rng one = rng_make(5, begin + k, 9, i * FILM_REPLICATES);
+                rng8_set_lane(&rng, k, &one);
+            }
+            const struct sobol8_bits q =
+                sampler_pair_bits(&how, &rng, rng_dimension(0, RNG_BSDF_DIRECTION));
+            for (uint32_t k = 0; k < LANES; k++)
+                sum[k] += value_of(f, (q.u[k] + 0.5) * 0x1p-32, (q.v[k] + 0.5) * 0x1p-32);
+            if (i + 1 != 16u << 2 * point)
+                continue;
+            c.work[point] = i + 1;
+            for (uint32_t k = 0; k < LANES; k++) {
+                const double off = sum[k] / (i + 1) - truths[f];
+                c.error[point][(begin + k) % GROUPS] += off * off;
+            }
+            point++;
+        }
+    }
+    return curve_slope(&c, 0, POINTS);
+}
+
+static void of_points(void)
+{
+    const uint32_t repeats = stat_tries(1024, 8192);
+    const struct curve_value alone = slope_of(EDGE, SAMPLER_INDEPENDENT, repeats),
+                             smooth = slope_of(SMOOTH, SAMPLER_SOBOL, repeats),
+                             edge = slope_of(EDGE, SAMPLER_SOBOL, repeats),
+                             spike = slope_of(SPIKE, SAMPLER_SOBOL, repeats);
+    near(alone.at, -1, 0.05 + 0.5 * (alone.high - alone.low),
+         "independent points: %.3f (%.3f to %.3f)", alone.at, alone.low, alone.high);
+    ok(smooth.at <= -2.5, "Owen-Sobol, smooth: %.3f (%.3f to %.3f), at most -2.5", smooth.at,
+       smooth.low, smooth.high);
+    near(edge.at, -1.5, 0.12, "Owen-Sobol, an edge: %.3f (%.3f to %.3f)", edge.at, edge.low,
+         edge.high);
+    ok(spike.at <= -1.1, "Owen-Sobol, x^(-1/2), whose variance does not exist: %.3f (%.3f to %.3f)",
+       spike.at, spike.low, spike.high);
+}
+
+/* --- whole scenes --- */
+
+static void of_scene(const char *path)
+{
+    struct arena arena = {0};
+    struct scene_disk disk;
+    struct scene_errors errors = {0};
+    struct err err = {0};
+    uint32_t unread;
+    static struct chart c;
+    struct chart_crew crew = {.threads = 2, .quiet = true};
+    const struct chart_options options = {16, 512, 16, 16384};
+    if (ok(scene_disk_open(&disk, path, &arena, &errors) &&
+               scene_disk_load(&disk, &arena, &unread, &errors) &&
+               chart_measure(&c, &disk.scene, &options, &crew, &arena, &err),
+           "%s is charted %s", path, err.text))
+        for (uint32_t i = 0; i < c.line_count; i++) {
+            const struct chart_line *line = &c.lines[i];
+            bool flagged = line->missing;
+            for (uint32_t p = 0; p < c.point_count; p++)
+                flagged = flagged || line->points[p].tail || line->points[p].untrusted > 0.05;
+            /* To be above, the whole interval has to be. */
+            ok(flagged || (line->slope.low <= -0.95 && line->slope.high >= -1.6),
+               "%s, %s: %.2f (%.2f to %.2f)%s", path, line->method->name, line->slope.at,
+               line->slope.low, line->slope.high, flagged ? ", flagged" : "");
+            ok(line->missing || line->bias2.low <= c.reference.noise,
+               "and has no bias: %.2g to %.2g", line->bias2.low, line->bias2.high);
+        }
+    arena_release(&arena);
+}
+
+int main(void)
+{
+    of_points();
+    if (stat_is_long() && STAT_SLOW == 1) {
+        of_scene("scenes/cornell-box.json");
+        of_scene("scenes/glass-and-metal.json");
+        of_scene("scenes/many-lights.json");
+    } else
+        diag("left out: the slopes of whole scenes (TEST_LONG=1)");
+    return tap_done();
+}
