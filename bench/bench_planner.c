@@ -5,7 +5,7 @@
  * work, so that the figures do not depend on the machine. Regret: (planning + the chosen method's
  * work) over the least work of a sufficient method.
  *
- *     bench_planner [--quick] [CSV]      --quick: a third of the work, fewer perturbations
+ *     bench_planner [--quick] [CSV]      --quick: a fifth of the work, fewer perturbations
  *
  * SPDX-License-Identifier: MIT */
 #include <math.h>

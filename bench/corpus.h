@@ -1,6 +1,6 @@
 /* corpus.h - small scenes of many kinds, to choose methods for.
  *
- * Every third one is held out: no rule of the planner was ever set by looking at it.
+ * Every third one is held out: no rule of the planner was set for it.
  * SPDX-License-Identifier: MIT */
 #ifndef BENCH_CORPUS_H
 #define BENCH_CORPUS_H

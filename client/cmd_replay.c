@@ -5,6 +5,7 @@
 
 #include "client/cmd.h"
 #include "client/remote.h"
+#include "common/plan.h"
 #include "common/scene_fill.h"
 #include "common/trace/prep.h"
 #include "common/trace/render.h"
@@ -43,12 +44,36 @@ static bool read_document(struct remote *remote, const char *id, struct scene *s
            err_set(err, errors.list[0].code, "%s: %s", errors.list[0].where, errors.list[0].what);
 }
 
+/* A planned job is traced by the method of its plan. */
+static bool read_method(struct remote *remote, const char *id, struct scene_settings *s,
+                        struct err *err)
+{
+    if (s->integrator != INTEGRATOR_AUTO)
+        return true;
+    struct buf text = {0};
+    const char *integrator = "", *strategy = "";
+    if (!remote_fetch(remote, id, "plan", &text, err))
+        return err_at(err, "the job's plan");
+    json_t *root = json_loadb(text.size ? (const char *)text.data : "", text.size, 0, NULL);
+    buf_release(&text);
+    json_unpack(root, "{s:{s:s, s:s}}", "method", "integrator", &integrator, "strategy", &strategy);
+    const enum plan_candidate_kind k = plan_find(integrator, strategy);
+    json_decref(root);
+    if (k == PLAN_REAL)
+        return err_set(err, ERR_PROTOCOL, "the job's plan has no method");
+    const struct plan plan = {.sampler = s->sampler};
+    s->integrator = plan_method_of(&plan, k).integrator;
+    s->strategy = plan_method_of(&plan, k).strategy;
+    return true;
+}
+
 static bool prepare(struct remote *remote, const char *id, struct scene *scene, struct arena *arena,
                     const struct stage **stage, struct err *err)
 {
     struct arena scratch = {0};
     const struct scene_fill from = {get_asset, remote};
     const bool good = read_document(remote, id, scene, arena, err) &&
+                      read_method(remote, id, &scene->settings, err) &&
                       scene_fill(scene, &from, arena, err) == SCENE_FILL_DONE &&
                       prep_stage(scene, NULL, arena, &scratch, stage, err);
     arena_release(&scratch);

@@ -8,6 +8,7 @@
 
 #include "common/estimate.h"
 #include "tests/dice.h"
+#include "tests/local.h"
 #include "tests/scenes.h"
 #include "tests/stat/stat.h"
 #include "tests/tap.h"
@@ -258,6 +259,46 @@ static void corners(void)
     ok(good <= .05 * 4 * seeds, "F-33: the same corner by MIS: %u of %u", good, 4 * seeds);
 }
 
+/* Of a window of two tiles, upper left at (x, y). */
+static uint32_t window_flagged(struct local *l, uint32_t x, uint32_t y)
+{
+    struct scene_film *f = &l->disk.scene.film;
+    struct arena arena = {0};
+    struct film film;
+    f->crop_x_begin = x;
+    f->crop_y_begin = y;
+    f->crop_x_end = x + 128;
+    f->crop_y_end = y + 64;
+    l->disk.scene.settings.target.spp = 64;
+    local_render(l, 64, 2, &film);
+    const struct evidence e = evidence_make(&film, &arena);
+    uint32_t heavy[2] = {0, 0};
+    for (uint32_t i = 0; i < e.columns * e.rows; i++)
+        heavy[i % e.columns >= e.columns / 2] += e.blocks[i].verdict == EVIDENCE_HEAVY;
+    film_release(&film);
+    arena_release(&arena);
+    return (heavy[0] > 6) + (heavy[1] > 6);
+}
+
+/* Scenes in which light comes by small lamps, mirrors and glass, but has a variance. */
+static void controls(void)
+{
+    static const char *const scenes[] = {"scenes/cornell-box.json", "scenes/glass-and-metal.json",
+                                         "scenes/many-lights.json"};
+    const uint32_t rows = stat_tries(1, 4);
+    uint32_t flagged = 0, tiles = 0;
+    for (size_t i = 0; i < countof(scenes); i++) {
+        struct local l;
+        local_open(&l, scenes[i]);
+        const struct scene_film f = l.disk.scene.film;
+        for (uint32_t row = 0; row < max_u32(rows, 1); row++, tiles += 2)
+            flagged += window_flagged(&l, (f.width_px - 128) / 2,
+                                      (f.height_px - 64) * (row + 1) / (rows + 1));
+        local_release(&l);
+    }
+    ok(flagged <= .05 * tiles, "F-33: example scenes: %u of %u tiles flagged", flagged, tiles);
+}
+
 /* ---- the job's error and its interval ---- */
 
 /* The truth of a film of independent samples: its error is that of the law, pixel by pixel. */
@@ -290,6 +331,7 @@ int main(void)
     the_largest();
     laws();
     corners();
+    controls();
     interval(UNIFORM, 1 / 3., 256);
     interval(EXPONENTIAL, 1, 256);
     return tap_done();

@@ -6,6 +6,7 @@
  * of Smooth Functions", Annals of Statistics 25, 1997: without, with n^-3.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "client/chart.h"
@@ -33,6 +34,23 @@ static double value_of(enum integrand f, double u, double v)
 
 static const double truths[] = {
     [SMOOTH] = 4 / (3.14159265358979323846 * 3.14159265358979323846), [EDGE] = 0.45, [SPIKE] = 2};
+
+static int ascending(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Without a variance the mean of squares is nobody's: what is typical, the groups' median, in its
+ * place. */
+static void take_medians(struct curve *c)
+{
+    for (uint32_t p = 0; p < c->points; p++) {
+        qsort(c->error[p], c->runs, sizeof c->error[p][0], ascending);
+        for (uint32_t r = 0; r < c->runs; r++)
+            c->error[p][r] = c->error[p][c->runs / 2];
+    }
+}
 
 /* Points 0 to MOST - 1 of replicate 0 in eight pixels at once, one in each lane. */
 static struct curve_value slope_of(enum integrand f, enum sampler_kind sampler, uint32_t repeats)
@@ -65,6 +83,8 @@ static struct curve_value slope_of(enum integrand f, enum sampler_kind sampler, 
             point++;
         }
     }
+    if (f == SPIKE)
+        take_medians(&c);
     return curve_slope(&c, 0, POINTS);
 }
 
@@ -81,8 +101,9 @@ static void of_points(void)
        smooth.low, smooth.high);
     near(edge.at, -1.5, 0.12, "Owen-Sobol, an edge: %.3f (%.3f to %.3f)", edge.at, edge.low,
          edge.high);
-    ok(spike.at <= -1.1, "Owen-Sobol, x^(-1/2), whose variance does not exist: %.3f (%.3f to %.3f)",
-       spike.at, spike.low, spike.high);
+    /* The first point's share, u^(-1/2) / n with u in [0, 1/n), is n^(-1/2) times a fixed law. */
+    near(spike.at, -1, 0.1, "Owen-Sobol, x^(-1/2), whose variance does not exist: typically %.3f",
+         spike.at);
 }
 
 /* --- whole scenes --- */
@@ -111,8 +132,10 @@ static void of_scene(const char *path)
             ok(flagged || (line->slope.low <= -0.95 && line->slope.high >= -1.6),
                "%s, %s: %.2f (%.2f to %.2f)%s", path, line->method->name, line->slope.at,
                line->slope.low, line->slope.high, flagged ? ", flagged" : "");
-            ok(line->missing || line->bias2.low <= c.reference.noise,
-               "and has no bias: %.2g to %.2g", line->bias2.low, line->bias2.high);
+            if (line->missing)
+                continue;
+            ok(line->bias2.low <= c.reference.noise, "and has no bias: %.2g to %.2g",
+               line->bias2.low, line->bias2.high);
         }
     arena_release(&arena);
 }

@@ -157,13 +157,13 @@ static void refuses_blocks(struct arena *arena)
     b.sum = 0x1p+201;
     refuses_block("a sum that no samples have", good, &b);
     b = fine;
-    b.square = NAN;
+    b.square = (double)NAN;
     refuses_block("a block's sum of squares that is no number", good, &b);
     b = fine;
-    b.clamped = INFINITY;
+    b.clamped = (double)INFINITY;
     refuses_block("an infinite clamped light", good, &b);
     b = fine;
-    b.cut = NAN;
+    b.cut = (double)NAN;
     refuses_block("a cut light that is no number", good, &b);
     b = fine;
     b.met = 4 * 2 * 16 + 1;

@@ -28,7 +28,7 @@ struct surface path8_surface(const struct stage *s, const struct path8_vertex *v
 enum { FOUND_DIFFUSE = 8, FOUND_FLAT = 16 };
 
 struct found {                    /* what has to be looked up, lane by lane */
-    const float *corners[8];      /* of those that are flat: on triangles of the world */
+    const float *corners[8];      /* of those that are flat: in triangles of the world */
     vec3 p[8], p_error[8], ng[8]; /* of the others */
     vec3 albedo[8], dir[8];
     _Alignas(32) float u[8], v[8];
@@ -57,8 +57,9 @@ static inline uint32_t look_up(const struct tables *t, uint32_t i, const struct 
     const struct material *m = &t->materials[shape->material];
     if (shape->detail != STAGE_NONE || material_is_wrapped(m)) /* textured ones have a detail */
         return 0;
-    const bool diffuse = m->kind == MATERIAL_DIFFUSE,
-               flat = hit->place.kind == STAGE_TRIANGLE && hit->instance == STAGE_NONE;
+    const bool diffuse = m->kind == MATERIAL_DIFFUSE, flat = hit->place.kind == STAGE_TRIANGLE &&
+                                                             hit->instance == STAGE_NONE &&
+                                                             !surface_is_near_edge(hit);
     if (flat) {
         const struct stage_block *block = &t->blocks[hit->place.index / STAGE_LANES];
         f->corners[i] = &block->v[0][0][hit->place.index % STAGE_LANES];

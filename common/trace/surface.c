@@ -53,6 +53,42 @@ static inline struct surface on_triangle(const struct stage *s, struct stage_id 
     return make(id, a + b + c, error, triangle_normal(&t));
 }
 
+/* Sums and differences of floats, in double. */
+static double height(vec3 top, vec3 from, vec3 to)
+{
+    const f64x4 a = f64x4_of(from), way = f64x4_of(to) - a, up = f64x4_of(top) - a;
+    const f64x4 n = f64x4_cross(way, up), nn = n * n, ww = way * way;
+    return __builtin_sqrt((nn[0] + nn[1] + nn[2]) / (ww[0] + ww[1] + ww[2]));
+}
+
+/* The least weight of a corner, so that the point is as far from the opposite edge as it may be off
+ * its place; of a sliver, a quarter. */
+static double least_weight(double error, double height)
+{
+    return error < .25 * height ? error / height : .25;
+}
+
+/* A hit that is all but on an edge. Rounded, its point may lie in the plane of the triangle behind
+ * that edge, or beyond it, and the ray that starts there would not meet that triangle: it would
+ * leave a closed body. The point is moved into its own triangle, by no more than its error. */
+static struct surface off_edges(const struct stage *s, struct stage_id id, float u, float v)
+{
+    const struct surface at = on_triangle(s, id, u, v);
+    const struct corners t = corners_at(s, id);
+    const float error = rgb_max(at.p_error);
+    const double least[3] = {least_weight((double)error, height(t.a, t.b, t.c)),
+                             least_weight((double)error, height(t.b, t.c, t.a)),
+                             least_weight((double)error, height(t.c, t.a, t.b))};
+    double weight[3] = {(double)(1 - u - v), (double)u, (double)v}, sum = 0;
+    bool moves = false;
+    for (int k = 0; k < 3; k++) {
+        moves = moves || weight[k] < least[k];
+        weight[k] = weight[k] < least[k] ? least[k] : weight[k];
+        sum += weight[k];
+    }
+    return moves ? on_triangle(s, id, (float)(weight[1] / sum), (float)(weight[2] / sum)) : at;
+}
+
 struct surface surface_on_triangle(const struct stage *s, struct stage_id id, float u, float v)
 {
     return on_triangle(s, id, u, v);
@@ -152,7 +188,8 @@ static inline struct surface point_at(const struct stage *s, const struct ray *r
     const vec3 p = ray->origin + hit->t * ray->dir;
     switch ((enum stage_kind)id.place.kind) {
     case STAGE_TRIANGLE:
-        return on_triangle(s, id, hit->u, hit->v);
+        return surface_is_near_edge(hit) ? off_edges(s, id, hit->u, hit->v)
+                                         : on_triangle(s, id, hit->u, hit->v);
     case STAGE_SPHERE: {
         const struct stage_sphere *sphere =
             (const struct stage_sphere *)stage_at(s, s->spheres) + id.place.index;

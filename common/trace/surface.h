@@ -24,9 +24,17 @@ struct surface {
                        * both. For who knows the material to set; 0 till then */
 };
 
-/* The very ray that was traced: what is met is computed from it anew where t is not exact enough.
+/* The very ray that was traced: what is met is computed from it anew where t is not exact enough. A
+ * point all but on an edge of a triangle is moved off it, by no more than its error (surface.c).
  */
 struct surface surface_at(const struct stage *, const struct ray *, const struct ray_hit *);
+
+/* Of a triangle, so near that it has to be looked at more closely: surface_at does. */
+static inline bool surface_is_near_edge(const struct ray_hit *hit)
+{
+    const float near = 0x1p-12f;
+    return hit->u < near || hit->v < near || 1 - hit->u - hit->v < near;
+}
 
 /* The same for who knows the shape: material and emitter are STAGE_NONE. */
 struct surface surface_point_at(const struct stage *, const struct ray *, const struct ray_hit *);
