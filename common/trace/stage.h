@@ -21,7 +21,7 @@
 
 #define STAGE_MAGIC "SMSTAGE"
 
-enum { STAGE_VERSION = 5, STAGE_ALIGN = 64, STAGE_LANES = 8 };
+enum { STAGE_VERSION = 6, STAGE_ALIGN = 64, STAGE_LANES = 8 };
 
 struct stage_span {  /* an array inside the block */
     uint64_t offset; /* bytes from the start of the stage, 64-aligned */
