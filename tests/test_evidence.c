@@ -218,16 +218,16 @@ static void the_largest(void)
 
 /* ---- rendered ---- */
 
-/* A floor and a wall that shines, upright or leaning over it, seen along the corner in two regions
- * of 64 x 64 pixels: by light sampling alone the contributions near the corner go like 1 / r^2, and
- * have no variance; by MIS they do. */
+/* A floor and a disc that shines and cuts it, upright or leaning over it, seen along the corner in
+ * two regions of 64 x 64 pixels: by light sampling alone, which is by area on discs, the
+ * contributions near the corner go like 1 / r^2, and have no variance; by MIS they do. */
 static uint32_t corner_flagged(enum strategy_kind strategy, float lean, uint64_t seed, uint32_t spp)
 {
     struct scenes s;
     scenes_init(&s, 128, 64);
     const uint32_t gray = scenes_diffuse(&s, rgb_gray(.7f));
     scenes_quad(&s, gray, (vec3){-4, 0, 4}, (vec3){8, 0, 0}, (vec3){0, 0, -4});
-    scenes_quad(&s, gray, (vec3){-4, 0, 0}, (vec3){8, 0, 0}, (vec3){0, 2, lean})->emission =
+    scenes_disc(&s, gray, (vec3){0, 0, 0}, vec3_unit((vec3){0, -lean, 2}), 4)->emission =
         rgb_gray(1);
     s.scene.settings.strategy = strategy;
     s.scene.settings.seed = seed;
