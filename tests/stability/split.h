@@ -5,7 +5,9 @@
 
 #include "common/scene.h"
 
-bool split_can(const struct scene *); /* there is one: a quad, or a mesh in the document */
+/* There is one: of a quad, or a mesh in the document, a triangle that is large enough where it is.
+ */
+bool split_can(const struct scene *);
 
 /* The scene's shapes and meshes become others, in the arena. */
 void split_lamps(struct scene *, struct arena *);
