@@ -86,7 +86,7 @@ static inline f32x8 surface8_round(f32x8 p, f32x8 way)
     const i32x8 down = way < none, mirror = down & INT32_MIN;
     const f32x8 x = (f32x8)((i32x8)p ^ mirror);
     const i32x8 bits = (i32x8)x & (x != none);
-    const i32x8 next = bits + ((x < none) | 1);
+    const i32x8 next = (i32x8)((u32x8)bits + (u32x8)((x < none) | 1)); /* of a NaN it may wrap */
     const i32x8 moves = (down | (way > none)) & (x < none + __builtin_inff());
     return f32x8_choose(moves, (f32x8)(next ^ mirror), p);
 }
