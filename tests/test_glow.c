@@ -74,8 +74,9 @@ static const enum strategy_kind strategies[] = {STRATEGY_MIS, STRATEGY_LIGHT, ST
 /* What is met by chance alone takes more. */
 static uint32_t spp_of(enum strategy_kind strategy)
 {
-    const uint32_t spp = strategy == STRATEGY_BSDF ? stat_tries(512, 8192) : stat_tries(64, 1024);
-    return max_u32(spp, 32); /* each replicate has some, in slow builds too */
+    /* not too few in slow builds: replicates need some, and a small bias is to be seen */
+    return strategy == STRATEGY_BSDF ? max_u32(stat_tries(512, 8192), 256)
+                                     : max_u32(stat_tries(64, 1024), 64);
 }
 
 static struct scenes_mean render(struct scenes *s, uint32_t spp, int channel)
