@@ -5,27 +5,11 @@
 #include "common/trace/bsdf.h"
 #include "common/trace/coat_table.h"
 #include "common/trace/fresnel.h"
+#include "common/trace/knot.h"
 #include "common/trace/microfacet.h"
 
 #define R_LEAST 0.0476190476f /* (n - 1) / (n + 1) of 1.1 */
 #define R_MOST  0.5f          /* of 3 */
-
-struct knot { /* between i and i + 1 */
-    int i;
-    float f;
-};
-
-static struct knot knot_of(float coordinate, int knots)
-{
-    const float x = coordinate * (float)(knots - 1);
-    const int i = x > 0 ? (int)x : 0, last = knots - 2;
-    return (struct knot){i < last ? i : last, x - (float)(i < last ? i : last)};
-}
-
-static float blend(float a, float b, float f)
-{
-    return a + (b - a) * f;
-}
 
 static float r_of(float ior)
 {
@@ -45,7 +29,7 @@ static struct knot knot_of_width(float alpha)
 static float plane(const uint16_t t[COAT_WIDTHS][COAT_SLOPES], struct knot width, struct knot slope)
 {
     const uint16_t *a = t[width.i] + slope.i, *b = t[width.i + 1] + slope.i;
-    return blend(blend(a[0], a[1], slope.f), blend(b[0], b[1], slope.f), width.f);
+    return knot_blend(knot_blend(a[0], a[1], slope.f), knot_blend(b[0], b[1], slope.f), width.f);
 }
 
 /* What a table between its knots may be too large by, taken off. */
@@ -57,9 +41,9 @@ float coat_table_passes(const struct coat_table *t, float ior, float alpha, floa
     const float sum = cos + microfacet_s(w, alpha);
     const struct knot n = knot_of_ior(ior), width = knot_of_width(alpha);
     const struct knot slope = knot_of(__builtin_sqrtf(alpha * w[0] / sum), COAT_SLOPES);
-    const float ratio =
-        blend(plane(t->ratio[n.i], width, slope), plane(t->ratio[n.i + 1], width, slope), n.f) *
-        (1.0f / COAT_RATIO_ONE);
+    const float ratio = knot_blend(plane(t->ratio[n.i], width, slope),
+                                   plane(t->ratio[n.i + 1], width, slope), n.f) *
+                        (1.0f / COAT_RATIO_ONE);
     float cos_t;
     const float dark = 1 - fresnel_dielectric(0.5f * sum, ior, &cos_t);
     const float once = 1 - albedo_missing(w, (struct facet){alpha, alpha});
@@ -90,7 +74,7 @@ float coat_passes_mean(const struct coat *c)
         return 1 - smooth_mean(r_of(c->ior));
     const struct knot n = knot_of_ior(c->ior), width = knot_of_width(c->alpha);
     const float *a = coat_table.mean[n.i] + width.i, *b = coat_table.mean[n.i + 1] + width.i;
-    return blend(blend(a[0], a[1], width.f), blend(b[0], b[1], width.f), n.f);
+    return knot_blend(knot_blend(a[0], a[1], width.f), knot_blend(b[0], b[1], width.f), n.f);
 }
 
 rgb coat_base(const struct coat *c, float mean, rgb albedo)

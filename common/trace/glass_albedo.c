@@ -1,43 +1,27 @@
 /* SPDX-License-Identifier: MIT */
 #include "common/trace/glass_albedo.h"
 
+#include "common/trace/knot.h"
+
 #define R_LEAST 0.0476190476f /* (n - 1) / (n + 1) of 1.1 */
 #define R_MOST  0.6f          /* of 4 */
-
-struct knot { /* between i and i + 1 */
-    int i;
-    float f;
-};
-
-static struct knot knot_of(float coordinate, int knots)
-{
-    const float x = coordinate * (float)(knots - 1);
-    const int i = x > 0 ? (int)x : 0, last = knots - 2;
-    const float f = x - (float)(i < last ? i : last);
-    return (struct knot){i < last ? i : last, f < 1 ? f : 1};
-}
-
-static float blend(float a, float b, float f)
-{
-    return a + (b - a) * f;
-}
 
 static struct knot knot_of_ior(float ior)
 {
     const float r = (ior - 1) / (ior + 1) - R_LEAST;
-    return knot_of(r > 0 ? __builtin_sqrtf(r / (R_MOST - R_LEAST)) : 0, GLASS_ALBEDO_IORS);
+    return knot_within(r > 0 ? __builtin_sqrtf(r / (R_MOST - R_LEAST)) : 0, GLASS_ALBEDO_IORS);
 }
 
 static struct knot knot_of_width(float alpha)
 {
-    return knot_of(__builtin_sqrtf(alpha), GLASS_ALBEDO_WIDTHS);
+    return knot_within(__builtin_sqrtf(alpha), GLASS_ALBEDO_WIDTHS);
 }
 
 static float plane(const uint16_t t[GLASS_ALBEDO_WIDTHS][GLASS_ALBEDO_HEIGHTS], struct knot width,
                    struct knot height)
 {
     const uint16_t *a = t[width.i] + height.i, *b = t[width.i + 1] + height.i;
-    return blend(blend(a[0], a[1], height.f), blend(b[0], b[1], height.f), width.f);
+    return knot_blend(knot_blend(a[0], a[1], height.f), knot_blend(b[0], b[1], height.f), width.f);
 }
 
 float glass_albedo_missing_by(const struct glass_albedo_table *t, const struct glass_albedo *g,
@@ -45,9 +29,9 @@ float glass_albedo_missing_by(const struct glass_albedo_table *t, const struct g
 {
     const struct knot n = knot_of_ior(g->ior), width = knot_of_width(g->alpha);
     const struct knot height =
-        knot_of(cos * (1 + g->alpha) / (cos + g->alpha), GLASS_ALBEDO_HEIGHTS);
-    return blend(plane(t->missing[below][n.i], width, height),
-                 plane(t->missing[below][n.i + 1], width, height), n.f) *
+        knot_within(cos * (1 + g->alpha) / (cos + g->alpha), GLASS_ALBEDO_HEIGHTS);
+    return knot_blend(plane(t->missing[below][n.i], width, height),
+                      plane(t->missing[below][n.i + 1], width, height), n.f) *
            (1.0f / 65535);
 }
 
@@ -67,5 +51,6 @@ float glass_albedo_mean(const struct glass_albedo *g, bool below)
     const struct knot n = knot_of_ior(g->ior), width = knot_of_width(g->alpha);
     const float *a = glass_albedo_table.mean[below][n.i] + width.i;
     const float *b = glass_albedo_table.mean[below][n.i + 1] + width.i;
-    return known_share(g->ior) * blend(blend(a[0], a[1], width.f), blend(b[0], b[1], width.f), n.f);
+    return known_share(g->ior) *
+           knot_blend(knot_blend(a[0], a[1], width.f), knot_blend(b[0], b[1], width.f), n.f);
 }

@@ -2,25 +2,9 @@
 #include "common/trace/sheen.h"
 
 #include "common/trace/fmath.h"
+#include "common/trace/knot.h"
 
 /* --- how much --- */
-
-struct knot { /* between i and i + 1 */
-    int i;
-    float f;
-};
-
-static struct knot knot_of(float coordinate, int knots)
-{
-    const float x = coordinate * (float)(knots - 1);
-    const int i = x > 0 ? (int)x : 0, last = knots - 2;
-    return (struct knot){i < last ? i : last, x - (float)(i < last ? i : last)};
-}
-
-static float blend(float a, float b, float f)
-{
-    return a + (b - a) * f;
-}
 
 static struct knot knot_of_width(float roughness)
 {
@@ -35,7 +19,8 @@ float sheen_table_albedo(const struct sheen_table *t, float roughness, float cos
     const struct knot w = knot_of_width(roughness);
     const struct knot z = knot_of(__builtin_sqrtf(cos), SHEEN_COSINES);
     const float *a = t->albedo[w.i] + z.i, *b = t->albedo[w.i + 1] + z.i;
-    const float e = blend(blend(a[0], a[1], z.f), blend(b[0], b[1], z.f), w.f) + TOO_SMALL;
+    const float e =
+        knot_blend(knot_blend(a[0], a[1], z.f), knot_blend(b[0], b[1], z.f), w.f) + TOO_SMALL;
     return e < 1 ? e : 1;
 }
 
@@ -47,7 +32,7 @@ float sheen_albedo(float roughness, float cos)
 float sheen_mean(float roughness)
 {
     const struct knot w = knot_of_width(roughness);
-    return blend(sheen_table.mean[w.i], sheen_table.mean[w.i + 1], w.f);
+    return knot_blend(sheen_table.mean[w.i], sheen_table.mean[w.i + 1], w.f);
 }
 
 /* --- where to --- */

@@ -1,26 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "common/trace/stack.h"
 
-struct knot { /* between i and i + 1 */
-    int i;
-    float f;
-};
-
-static struct knot knot_of(float coordinate, int knots)
-{
-    const float x = coordinate * (float)(knots - 1);
-    const int i = x > 0 ? (int)x : 0, last = knots - 2;
-    return (struct knot){i < last ? i : last, x - (float)(i < last ? i : last)};
-}
-
-static float blend(float a, float b, float f)
-{
-    return a + (b - a) * f;
-}
+#include "common/trace/knot.h"
 
 static float blend_rows(const uint16_t *row, float f)
 {
-    return blend((float)row[0], (float)row[STACK_CELLS], f);
+    return knot_blend((float)row[0], (float)row[STACK_CELLS], f);
 }
 
 /* Of facets narrower than the first knot everything grows like alpha, from 0. */
@@ -40,7 +25,7 @@ rgb stack_loss(const struct stack *s, enum stack_lobe lobe, float width, float c
     const uint16_t *a = stack_table[lobe][kw.i][kz.i], *b = stack_table[lobe][kw.i + 1][kz.i];
     rgb sum = {0, 0, 0, 0};
     for (int j = 0; j < STACK_CELLS; j++) {
-        const float share = blend(blend_rows(a + j, kz.f), blend_rows(b + j, kz.f), kw.f);
+        const float share = knot_blend(blend_rows(a + j, kz.f), blend_rows(b + j, kz.f), kw.f);
         sum += (s->passes[j + 1] - s->passes[j]) * share;
     }
     return sum * (1.0f / 65535);
