@@ -1,7 +1,7 @@
-/* Large chunks come from the system itself, on pages of 2 MB where it has them: a hierarchy of hundreds
- * of megabytes, read here and there, then spends a fifth less time looking up addresses. They
- * are zero already, so arena_alloc need not write them, and the pages of what is never used are
- * never made. SPDX-License-Identifier: MIT */
+/* Large chunks come from the system itself, on pages of 2 MB where it has them: a hierarchy of
+ * hundreds of megabytes, read here and there, then spends a fifth less time looking up addresses.
+ * They are zero already, so arena_alloc need not write them, and the pages of what is never used
+ * are never made. SPDX-License-Identifier: MIT */
 #define _DEFAULT_SOURCE /* MAP_ANONYMOUS, madvise */
 #include "common/arena.h"
 
@@ -70,8 +70,8 @@ static bool is_mapped(size_t bytes)
 /* Aligned to huge pages: what lies before and behind is given back. */
 static void *map_pages(size_t bytes)
 {
-    unsigned char *p = mmap(NULL, bytes + HUGE_PAGE, PROT_READ | PROT_WRITE,
-                            MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    unsigned char *p =
+        mmap(NULL, bytes + HUGE_PAGE, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (p == MAP_FAILED)
         return NULL;
     const size_t before = round_up_to((uintptr_t)p, HUGE_PAGE) - (uintptr_t)p;
@@ -114,7 +114,8 @@ void *arena_alloc(struct arena *a, size_t count, size_t size, size_t align)
     size_t at = c ? (c->used + align - 1) & ~(align - 1) : 0;
     if (!c || at > c->size || c->size - at < bytes) {
         const size_t grow = c ? c->size * 2 : CHUNK_MIN;
-        const size_t cap = (size_t)16 * 1024 * 1024; /* beyond this, growth wastes more than it saves */
+        const size_t cap =
+            (size_t)16 * 1024 * 1024; /* beyond this, growth wastes more than it saves */
         size_t want = grow < cap ? grow : cap;
         if (want < bytes)
             want = bytes;
@@ -148,6 +149,14 @@ char *arena_printf(struct arena *a, const char *fmt, ...)
     vsnprintf(text, (size_t)n + 1, fmt, again);
     va_end(again);
     return text;
+}
+
+void *arena_grow(struct arena *a, void *list, size_t count, size_t size)
+{
+    if ((count & (count - 1)) != 0) /* full: 0, 1, 2, 4 ... */
+        return list;
+    void *more = arena_alloc(a, count ? 2 * count : 1, size, alignof(max_align_t));
+    return count ? memcpy(more, list, count * size) : more;
 }
 
 static void free_chunks(struct arena_chunk *c)

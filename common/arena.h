@@ -27,6 +27,9 @@ struct arena {
 void *arena_alloc(struct arena *, size_t count, size_t size, size_t align);
 char *arena_strdup(struct arena *, const char *text);
 char *arena_printf(struct arena *, const char *fmt, ...) PRINTF(2, 3);
+/* A list of count things of so many bytes that has room for one more: the same, or one twice as
+ * large with the same content. For lists that only grow here, from NULL. */
+void *arena_grow(struct arena *, void *list, size_t count, size_t size);
 void arena_reset(struct arena *);   /* forgets everything, keeps the largest chunk */
 void arena_release(struct arena *); /* gives everything back */
 

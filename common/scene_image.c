@@ -49,13 +49,7 @@ static bool add(struct scene_doc *doc, const struct scene_at *at, struct scene *
     const uint32_t count = scene->image_count;
     if (count == SCENE_MAX_IMAGES)
         return scene_doc_fault(doc, at, ERR_LIMIT, "expected at most %d images", SCENE_MAX_IMAGES);
-    if ((count & (count - 1)) == 0) { /* full: 0, 1, 2, 4 ... */
-        struct image_asset *more =
-            arena_new(doc->arena, struct image_asset, count ? (size_t)2 * count : 1);
-        if (count)
-            memcpy(more, scene->images, count * sizeof *more);
-        scene->images = more;
-    }
+    scene->images = arena_grow(doc->arena, scene->images, count, sizeof *scene->images);
     scene->images[count] = *image;
     scene->images[count].where = scene_doc_pointer(doc, at);
     *index = scene->image_count++;

@@ -29,14 +29,7 @@ static bool is_textured(const struct scene_at *value)
 static void add_slot(const struct scene_params *p, const struct material_slot *slot)
 {
     struct scene *scene = p->scene;
-    const uint32_t count = scene->slot_count;
-    if ((count & (count - 1)) == 0) { /* full: 0, 1, 2, 4 ... */
-        struct material_slot *more =
-            arena_new(p->doc->arena, struct material_slot, count ? (size_t)2 * count : 1);
-        if (count)
-            memcpy(more, scene->slots, count * sizeof *more);
-        scene->slots = more;
-    }
+    scene->slots = arena_grow(p->doc->arena, scene->slots, scene->slot_count, sizeof *scene->slots);
     scene->slots[scene->slot_count++] = *slot;
 }
 

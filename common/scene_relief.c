@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "common/scene_relief.h"
 
-#include <string.h>
-
 static const struct scene_range strength_range = {0, 1e6, false};
 static const struct scene_range height_range = {-1e6, 1e6, false};
 
@@ -53,14 +51,8 @@ static bool read_bump(const struct scene_params *p, const struct scene_at *value
 static void add(const struct scene_params *p, const struct material_relief *r)
 {
     struct scene *scene = p->scene;
-    const uint32_t count = scene->relief_count;
-    if ((count & (count - 1)) == 0) { /* full: 0, 1, 2, 4 ... */
-        struct material_relief *more =
-            arena_new(p->doc->arena, struct material_relief, count ? (size_t)2 * count : 1);
-        if (count)
-            memcpy(more, scene->reliefs, count * sizeof *more);
-        scene->reliefs = more;
-    }
+    scene->reliefs =
+        arena_grow(p->doc->arena, scene->reliefs, scene->relief_count, sizeof *scene->reliefs);
     scene->reliefs[scene->relief_count++] = *r;
 }
 

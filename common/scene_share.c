@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "common/scene_share.h"
 
-#include <string.h>
-
 #define MOST 1e6 /* what can be rescaled */
 
 bool scene_share_wanted(const struct scene_at *whole)
@@ -24,14 +22,8 @@ static struct scene_range range_of(const struct scene_params *p)
 static void add_warning(const struct scene_params *p, const struct scene_warning *w)
 {
     struct scene *scene = p->scene;
-    const uint32_t count = scene->warning_count;
-    if ((count & (count - 1)) == 0) { /* full: 0, 1, 2, 4 ... */
-        struct scene_warning *more =
-            arena_new(p->doc->arena, struct scene_warning, count ? (size_t)2 * count : 1);
-        if (count)
-            memcpy(more, scene->warnings, count * sizeof *more);
-        scene->warnings = more;
-    }
+    scene->warnings =
+        arena_grow(p->doc->arena, scene->warnings, scene->warning_count, sizeof *scene->warnings);
     scene->warnings[scene->warning_count++] = *w;
 }
 
