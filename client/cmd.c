@@ -80,6 +80,23 @@ int cmd_follow(struct remote *remote, const char *id, bool json, bool curve)
     __builtin_unreachable();
 }
 
+bool cmd_load_scene(const char *file, struct scene_disk *scene, struct arena *arena, int *status)
+{
+    struct scene_errors errors;
+    uint32_t unread;
+    if (!scene_disk_open(scene, file, arena, &errors) ||
+        !scene_disk_load(scene, arena, &unread, &errors)) {
+        *status = cmd_fail_scene(file, &errors);
+        return false;
+    }
+    if (!unread)
+        return true;
+    fprintf(stderr, "%s: %u meshes or images are named by their hash only; name their files\n",
+            file, unread);
+    *status = CMD_INPUT;
+    return false;
+}
+
 bool cmd_can_trace(int *status)
 {
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))

@@ -9,7 +9,7 @@
 #include "client/remote.h"
 #include "common/err.h"
 #include "common/flags.h"
-#include "common/scene.h"
+#include "common/scene_disk.h"
 
 enum cmd_status {
     CMD_OK = 0,
@@ -48,6 +48,10 @@ bool cmd_parse(const struct cmd_spec *, int argc, char *const *args, const char 
 
 /* The coordinator at the flag's address, $SMALTI_SERVER's or the default; false: *status. */
 bool cmd_open(struct remote *, const char *flag, int *status) MUST_CHECK;
+
+/* The document and every file that it needs; false: *status, and it was said on stderr what is
+ * wrong or named by its hash only. */
+bool cmd_load_scene(const char *file, struct scene_disk *, struct arena *, int *status) MUST_CHECK;
 
 bool cmd_can_trace(int *status);     /* false: this CPU cannot; said on stderr */
 bool cmd_check_id(const char *text); /* false: said on stderr that it is none */

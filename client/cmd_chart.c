@@ -78,23 +78,6 @@ static bool parse(struct job *j, int argc, char *const *args, int *status)
     return true;
 }
 
-static bool load(struct job *j, int *status)
-{
-    struct scene_errors errors;
-    uint32_t unread;
-    if (!scene_disk_open(&j->scene, j->scene_file, &j->arena, &errors) ||
-        !scene_disk_load(&j->scene, &j->arena, &unread, &errors)) {
-        *status = cmd_fail_scene(j->scene_file, &errors);
-        return false;
-    }
-    if (!unread)
-        return true;
-    fprintf(stderr, "%s: %u meshes or images are named by their hash only; name their files\n",
-            j->scene_file, unread);
-    *status = CMD_INPUT;
-    return false;
-}
-
 /* --- files --- */
 
 static const char *const endings[FILES] = {".svg", ".csv", "-price.svg", "-price.csv"};
@@ -178,7 +161,7 @@ int cmd_chart(int argc, char *const *args)
     int status;
     if (!parse(&j, argc, args, &status))
         return status;
-    if (load(&j, &status))
+    if (cmd_can_trace(&status) && cmd_load_scene(j.scene_file, &j.scene, &j.arena, &status))
         status = chart(&j);
     arena_release(&j.arena);
     return status;

@@ -80,22 +80,6 @@ static bool prepare(const struct scene *scene, struct arena *arena, const struct
     return good;
 }
 
-static bool load(const char *file, struct scene_disk *scene, struct arena *arena, int *status)
-{
-    struct scene_errors errors;
-    uint32_t unread = 0;
-    if (!scene_disk_open(scene, file, arena, &errors) ||
-        !scene_disk_load(scene, arena, &unread, &errors)) {
-        *status = cmd_fail_scene(file, &errors);
-        return false;
-    }
-    if (unread == 0)
-        return true;
-    fprintf(stderr, "smalti: %s: %u files are named by their hash only\n", file, unread);
-    *status = CMD_INPUT;
-    return false;
-}
-
 int cmd_plan(int argc, char *const *args)
 {
     bool json = false;
@@ -114,7 +98,7 @@ int cmd_plan(int argc, char *const *args)
     struct scene_disk scene;
     const struct stage *stage;
     struct plan plan;
-    if (cmd_can_trace(&status) && load(file, &scene, &arena, &status)) {
+    if (cmd_can_trace(&status) && cmd_load_scene(file, &scene, &arena, &status)) {
         scene.scene.settings.integrator = INTEGRATOR_AUTO;
         scene.scene.settings.strategy = STRATEGY_MIS;
         if (error > 0)

@@ -98,20 +98,9 @@ static bool parse(struct render *r, int argc, char *const *args, int *status)
 
 static bool load(struct render *r, int *status)
 {
-    struct scene_errors errors;
     struct err err;
-    uint32_t unread;
-    if (!scene_disk_open(&r->scene, r->scene_file, &r->arena, &errors) ||
-        !scene_disk_load(&r->scene, &r->arena, &unread, &errors)) {
-        *status = cmd_fail_scene(r->scene_file, &errors);
+    if (!cmd_load_scene(r->scene_file, &r->scene, &r->arena, status))
         return false;
-    }
-    if (unread) {
-        fprintf(stderr, "%s: %u meshes or images are named by their hash only; name their files\n",
-                r->scene_file, unread);
-        *status = CMD_INPUT;
-        return false;
-    }
     cmd_warn_scene(r->scene_file, &r->scene.scene);
     if (save_possible(r->output, &err) && (!r->png || save_possible(r->png, &err)))
         return true;
