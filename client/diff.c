@@ -2,8 +2,9 @@
 #include "client/diff.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
+
+#include "common/curve.h"
 
 struct planes {
     const float *channel[3]; /* R, G, B */
@@ -65,27 +66,14 @@ static void note_largest(struct diff *d, const struct tile_rect *window, const s
     d->y_value = b;
 }
 
-static double mean_of(const struct planes *y)
+/* [pixel][channel], as curve.h takes them. */
+static double *interleaved(const struct planes *p, struct arena *arena)
 {
-    double sum = 0;
-    for (size_t i = 0; i < y->pixels; i++)
+    double *out = arena_new(arena, double, 3 * p->pixels);
+    for (size_t i = 0; i < p->pixels; i++)
         for (size_t c = 0; c < 3; c++)
-            sum += (double)y->channel[c][i];
-    return sum / (3 * (double)y->pixels);
-}
-
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return x < y ? -1 : x > y;
-}
-
-static double mean_of_first(const double *terms, size_t count)
-{
-    double sum = 0;
-    for (size_t i = 0; i < count; i++)
-        sum += terms[i];
-    return sum / (double)count;
+            out[3 * i + c] = (double)p->channel[c][i];
+    return out;
 }
 
 bool diff_images(const struct image *x, const struct image *y, struct arena *scratch,
@@ -101,19 +89,11 @@ bool diff_images(const struct image *x, const struct image *y, struct arena *scr
         return err_set(err, ERR_INPUT, "sizes differ: %u x %zu and %u x %zu", p.width,
                        p.pixels / p.width, q.width, q.pixels / q.width);
 
-    const double mean = mean_of(&q), e2 = 1e-4 * mean * mean;
-    double *terms = arena_new(scratch, double, p.pixels);
-    for (size_t i = 0; i < p.pixels; i++) {
-        for (size_t c = 0; c < 3; c++) {
-            const double b = (double)q.channel[c][i], delta = (double)p.channel[c][i] - b;
-            if (delta != 0) /* 0 / 0 where both are black everywhere */
-                terms[i] += delta * delta / (b * b + e2) / 3;
+    for (size_t i = 0; i < p.pixels; i++)
+        for (size_t c = 0; c < 3; c++)
             note_largest(d, &x->window, &p, &q, i, c);
-        }
-    }
     d->identical = identical(x, y);
-    d->relmse = mean_of_first(terms, p.pixels);
-    qsort(terms, p.pixels, sizeof *terms, ascending);
-    d->relmse_999 = mean_of_first(terms, p.pixels - p.pixels / 1000);
+    d->relmse = curve_relmse(interleaved(&p, scratch), interleaved(&q, scratch), p.pixels,
+                             &d->relmse_999, arena_new(scratch, double, p.pixels));
     return true;
 }
