@@ -98,7 +98,7 @@ def check_weight(f, t):
         weight += len(reply.body)
         policy = reply.headers.get("Content-Security-Policy", "")
         t.ok("default-src 'self'" in policy and "unsafe" not in policy, f"{path}: only our own scripts may run", policy)
-    t.ok(weight < 44 * 1000, f"the page weighs less than 44 KB in all: {weight} bytes")
+    t.ok(weight < 40 * 1000, f"the page weighs less than 40 KB in all: {weight} bytes")
 
 
 def check_list(page, job):

@@ -255,25 +255,13 @@ function leftText(job) {
     return job.eta_seconds === null ? "Time left: not known yet." : `About ${duration(job.eta_seconds)} left.`;
 }
 
-// By job; null while it is on its way.
-const plans = new Map();
-
-function planOf(job) {
-    if (job.method !== null && !plans.has(job.id)) {
-        plans.set(job.id, null);
-        fetch(`/v1/jobs/${job.id}/plan`).then((reply) => reply.ok ? reply.json() : Promise.reject(reply.status))
-            .then((plan) => plans.set(job.id, plan), () => plans.delete(job.id));
-    }
-    return plans.get(job.id) ?? null;
-}
-
-function methodRows(job) {
+function methodRows(job, plan) { // plan: of a job with "auto", once it is there
     if (!job.auto)
         return [];
     if (job.method === null)
         return [["Method", "not planned yet"]];
-    const plan = planOf(job), rows = [["Method", `${job.method.integrator}, ${job.method.strategy}`]];
-    if (plan === null)
+    const rows = [["Method", `${job.method.integrator}, ${job.method.strategy}`]];
+    if (!plan)
         return rows;
     const missing = Object.entries(plan.missing);
     rows.push(["Chosen since it is", plan.why]);
@@ -282,7 +270,7 @@ function methodRows(job) {
     return rows;
 }
 
-function jobFacts(job) {
+function jobFacts(job, plan) {
     const passes = job.tile_passes, leases = job.leases, bad = job.invalid_samples;
     const rows = [
         ["Error (95\u00a0% interval)", errorText(job)],
@@ -292,7 +280,7 @@ function jobFacts(job) {
         ["Rate", job.samples_per_second === null ? "–" : `${big(job.samples_per_second)}\u00a0samples/s`],
         ["Workers on it", String(job.workers)],
         ["Target", targetText(job.target)],
-        ...methodRows(job),
+        ...methodRows(job, plan),
         ["Time", `${duration(job.elapsed_seconds)}, ${duration(job.cpu_seconds)}\u00a0CPU`],
         ["Tile passes", `${passes.done} of ${passes.total}`],
     ];
@@ -337,7 +325,7 @@ function failureText(failure) {
     return where.length ? `${failure.reason} (${where.join(", ")})` : failure.reason;
 }
 
-function showJob(root, job) {
+function showJob(root, job, plan) {
     const live = LIVE.includes(job.state), image = job.image.version > 0;
     say(field(root, "title"), title(job));
     showState(field(root, "state"), job.state);
@@ -355,7 +343,7 @@ function showJob(root, job) {
 
     showProgress(root, job);
     say(field(root, "left"), leftText(job));
-    showFacts($("dl", root), jobFacts(job));
+    showFacts($("dl", root), jobFacts(job, plan));
 
     const exr = field(root, "exr"), pause = field(root, "pause"), cancel = field(root, "cancel");
     const held = [pause, cancel].includes(document.activeElement);
@@ -402,10 +390,15 @@ function jobView(id) {
         if (dialog.returnValue === "cancel")
             order(cancel, { method: "DELETE" });
     };
+    const paths = [path, "/v1/workers", `${path}/convergence`];
+    let plan;
     return {
-        paths: [path, "/v1/workers", `${path}/convergence`],
-        show([job, { workers }, curve]) {
-            showJob(root, job);
+        paths,
+        show([job, { workers }, curve, found]) {
+            plan ??= found; // asked for in the turn after it is made, and once
+            paths[3] = `${path}/plan`;
+            paths.length = job.method && !plan ? 4 : 3;
+            showJob(root, job, plan);
             showCurve($(".convergence", root), curve);
             showFarm($(".farm", root), workers);
             summary(workers);
