@@ -22,7 +22,8 @@
  * (y^2 + least^2), as in estimate.h, so that the mean of all blocks is the square of the job's
  * error, and high the upper end of its 95 % interval. `least` is the pilot's film's.
  *
- * t = target^2 min(1, d / mean of d), d the block's root of g in the pilot's round. The least work
+ * t = target^2 min(1, d / mean of d), d the root of the mean of g over the block and its neighbours
+ * in the pilot's round (64 pixels by themselves are too few to say it well). The least work
  * for a given sum of squared errors takes samples in proportion to d (J. Neyman, "On the Two
  * Different Aspects of the Representative Method", J. Royal Statistical Society 97(4), 1934), which
  * leaves squared errors in proportion to d: quiet blocks go on below the target, since they become
@@ -76,7 +77,10 @@ struct adaptive {
     uint32_t spp[ADAPTIVE_MAX_ROUNDS]; /* of each, rising */
     struct adaptive_block *blocks;     /* [round][block]; heap */
 
-    /* What follows from it for the target. */
+    /* What follows from it, */
+    double need;  /* effective samples; 0 before the pilot */
+    float *share; /* [block]: t / target^2; heap */
+    /* and for the target. */
     double target;    /* 0: none, nothing ever stops */
     uint8_t *content; /* [block]: index of the round since when it is; or ADAPTIVE_NEVER; heap */
     uint8_t *stop;    /* [block]: the same, of its last samples; heap */

@@ -104,25 +104,29 @@ static void single_blocks(void)
        "a tenth more is foretold enough");
 }
 
-/* d = .001 and 1 in one of eight each: t is target^2 times .001 / mean. */
+/* Three quiet blocks, five noisy ones in a row: d = .001 of the first two, 1 of the last four. */
 static void allocation(void)
 {
-    struct adaptive a, fine;
-    start(&a, 2, 1, .1);
-    const double mean = (1e-3 + 1) / 2;
-    const float t = (float)(.01 * 1e-3 / mean);
-    write_all(&a, (struct adaptive_block){2 * t, 1000}, noisy);
-    write_all(&a, (struct adaptive_block){1e-6f, 1000}, noisy);
-    ok(a.content[0] == 1, "within what a quiet block is allowed");
-    adaptive_aim(&a, .1 * sqrt(1e-6 / (double)t) * .999);
-    ok(a.content[0] == ADAPTIVE_NEVER, "and beyond: it goes as the root of the pilot's error");
+    struct adaptive a;
+    struct adaptive_block b[8] = {quiet, quiet, quiet, noisy, noisy, noisy, noisy, noisy};
+    const double mean = (2e-3 + sqrt((1 + 2e-6) / 3) + sqrt((2 + 1e-6) / 3) + 4) / 8;
+    start(&a, 8, 1, .1);
+    write_down(&a, b);
+    write_down(&a, b);
+    near(a.share[0], 1e-3 / mean, 1e-6, "a quiet block's share goes as the root of its noise");
+    near(a.share[2], sqrt((1 + 2e-6) / 3) / mean, 1e-6, "with its neighbours'");
+    ok(a.share[4] == 1, "and a noisy one's is no more than the target");
+    adaptive_aim(&a, 1.001 * sqrt(1e-6 * mean / 1e-3));
+    ok(a.content[0] == 1, "within its share it is content");
+    adaptive_aim(&a, .999 * sqrt(1e-6 * mean / 1e-3));
+    ok(a.content[0] == ADAPTIVE_NEVER, "and beyond it is not");
     adaptive_aim(&a, 0);
-    ok(a.content[0] == ADAPTIVE_NEVER, "without a target nothing stops");
-    start(&fine, 2, 1, .1);
+    ok(a.content[0] == ADAPTIVE_NEVER, "without a target nothing is");
+    adaptive_release(&a);
+    start(&a, 2, 1, .1);
     for (int i = 0; i < 2; i++)
-        write_all(&fine, (struct adaptive_block){0, 1000}, (struct adaptive_block){0, 1000});
-    ok(fine.content[0] == 1 && adaptive_is_due(&fine, 32), "no noise anywhere: all is done");
-    adaptive_release(&fine);
+        write_all(&a, (struct adaptive_block){0, 1000}, (struct adaptive_block){0, 1000});
+    ok(a.content[0] == 1 && adaptive_is_due(&a, 32), "no noise anywhere: all is done");
     adaptive_release(&a);
 }
 
@@ -144,16 +148,25 @@ static void latches(void)
     adaptive_release(&a);
 }
 
-/* Half of the blocks at the given error, the others content. */
-static bool is_due(double error2, double target, float neff)
+/* Half of the blocks so noisy that the whole is `of` its target's square; the others are content.
+ */
+static bool is_due(double of, float neff)
 {
+    const double target = .1;
+    double error2 = 1, left = 16;
     struct adaptive a;
-    start(&a, 4, 4, target);
-    struct adaptive_block b[16];
-    for (int round = 0; round < 2; round++) {
+    for (int again = 0; again < 2; again++) {
+        start(&a, 4, 4, target);
+        struct adaptive_block b[16];
         for (int i = 0; i < 16; i++)
             b[i] = (struct adaptive_block){i < 8 ? (float)error2 : 0, neff};
         write_down(&a, b);
+        write_down(&a, b);
+        for (int i = 8; !again && i < 16; i++)
+            left -= (double)a.share[i];
+        error2 = left / 8 * target * target * of;
+        if (!again)
+            adaptive_release(&a);
     }
     const bool due = adaptive_is_due(&a, 32);
     adaptive_release(&a);
@@ -162,9 +175,9 @@ static bool is_due(double error2, double target, float neff)
 
 static void ends(void)
 {
-    ok(is_due(.0199, .1, 1000) && !is_due(.0201, .1, 1000),
+    ok(is_due(.999, 1000) && !is_due(1.001, 1000),
        "a job is due when the mean of the squared errors is the target's square");
-    ok(is_due(.0199, .1, 17) && !is_due(.0199, .1, 15), "and 256 samples have told");
+    ok(is_due(.999, 17) && !is_due(.999, 15), "and 256 samples have told");
     struct adaptive a;
     start(&a, 1, 1, 1);
     write_all(&a, (struct adaptive_block){0, 255}, noisy);
