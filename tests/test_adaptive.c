@@ -8,8 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/estimate.h"
-#include "common/stop.h"
 #include "tests/adapt.h"
 #include "tests/dice.h"
 #include "tests/stat/stat.h"
@@ -17,7 +15,7 @@
 
 /* ---- rules, on rounds written down by hand ---- */
 
-static const uint32_t judged[] = {16, 32, 64, 128, 256, 512, 768, 1024, 1280};
+static const uint32_t judged[] = {8, 16, 32, 64, 128, 256, 512, 768, 1024, 1280};
 
 static void which_rounds(void)
 {
@@ -32,10 +30,10 @@ static void which_rounds(void)
         const bool whole = tile_pass_of(last, spp).s_end == tile_pass_of(last, 1 << 24).s_end;
         ends = ends && (!adaptive_judges(spp) || whole);
     }
-    ok(counts[0] == 4 + 16 && counts[1] == 8 * 12 && counts[0] + counts[1] <= ADAPTIVE_MAX_ROUNDS,
-       "rounds are judged at 16 to 128, each 256 to 4096, eight in a doubling: %u, %u", counts[0],
+    ok(counts[0] == 5 + 16 && counts[1] == 8 * 12 && counts[0] + counts[1] <= ADAPTIVE_MAX_ROUNDS,
+       "rounds are judged at 8 to 128, each 256 to 4096, eight in a doubling: %u, %u", counts[0],
        counts[1]);
-    ok(ends && !adaptive_judges(8) && !adaptive_judges(0) && !adaptive_judges(48) &&
+    ok(ends && !adaptive_judges(4) && !adaptive_judges(0) && !adaptive_judges(48) &&
            !adaptive_judges(4352) && adaptive_judges(4608),
        "all of them at ends of passes");
 }
@@ -60,14 +58,16 @@ static void write_all(struct adaptive *a, struct adaptive_block first, struct ad
     write_down(a, b);
 }
 
+static const struct adaptive_block noisy = {1, 1000}, quiet = {1e-6f, 1000}, rare = {1e-6f, 20},
+                                   tail = {1e-6f, -1000}, dark = {0, INFINITY}, black = {0, 0};
+
+/* The first round, which decides nothing, is written down. */
 static void start(struct adaptive *a, uint32_t columns, uint32_t rows, double target)
 {
     adaptive_init(a, (struct tile_rect){0, 0, 8 * columns, 8 * rows});
     adaptive_aim(a, target);
+    write_all(a, noisy, noisy);
 }
-
-static const struct adaptive_block noisy = {1, 1000}, quiet = {1e-6f, 1000}, rare = {1e-6f, 20},
-                                   tail = {1e-6f, -1000}, dark = {0, INFINITY}, black = {0, 0};
 
 /* Rounds at 16 and 32 as given, then one more as `later`: since when the first block has stopped.
  */
@@ -117,7 +117,7 @@ static void allocation(void)
     near(a.share[2], sqrt((1 + 2e-6) / 3) / mean, 1e-6, "with its neighbours'");
     ok(a.share[4] == 1, "and a noisy one's is no more than the target");
     adaptive_aim(&a, 1.001 * sqrt(1e-6 * mean / 1e-3));
-    ok(a.content[0] == 1, "within its share it is content");
+    ok(a.content[0] == 2, "within its share it is content");
     adaptive_aim(&a, .999 * sqrt(1e-6 * mean / 1e-3));
     ok(a.content[0] == ADAPTIVE_NEVER, "and beyond it is not");
     adaptive_aim(&a, 0);
@@ -126,7 +126,7 @@ static void allocation(void)
     start(&a, 2, 1, .1);
     for (int i = 0; i < 2; i++)
         write_all(&a, (struct adaptive_block){0, 1000}, (struct adaptive_block){0, 1000});
-    ok(a.content[0] == 1 && adaptive_is_due(&a, 32), "no noise anywhere: all is done");
+    ok(a.content[0] == 2 && adaptive_is_due(&a, 32), "no noise anywhere: all is done");
     adaptive_release(&a);
 }
 
@@ -137,12 +137,12 @@ static void latches(void)
     for (int i = 0; i < 2; i++)
         write_all(&a, quiet, rare);
     write_all(&a, noisy, noisy);
-    ok(a.content[0] == 1 && a.stop[0] == 2, "what is content stays so, and goes when it may");
+    ok(a.content[0] == 2 && a.stop[0] == 3, "what is content stays so, and goes when it may");
     ok(adaptive_stopped(&a, 32) == 0 && adaptive_stopped(&a, 64) == .5, "half of the pixels");
     struct adaptive copy;
     adaptive_copy(&copy, &a);
     adaptive_aim(&copy, .1);
-    ok(copy.content[0] == 1 && copy.stop[0] == 2 && copy.content[1] == a.content[1],
+    ok(copy.content[0] == 2 && copy.stop[0] == 3 && copy.content[1] == a.content[1],
        "the same from what is written down");
     adaptive_release(&copy);
     adaptive_release(&a);
@@ -186,14 +186,24 @@ static void ends(void)
        "one block alone needs them all");
     write_all(&a, (struct adaptive_block){0, 256}, noisy);
     write_all(&a, (struct adaptive_block){0, 256}, noisy);
-    ok(adaptive_is_due(&a, 64) && a.content[0] == 3 && !adaptive_is_due(&a, 256),
+    ok(adaptive_is_due(&a, 64) && a.content[0] == 4 && !adaptive_is_due(&a, 256),
        "to be due once, to be content twice");
+    adaptive_release(&a);
+    start(&a, 4, 4, .1);
+    write_all(&a, quiet, rare);
+    ok(!adaptive_is_due(&a, 16), "before the pilot a job is only due with evidence everywhere,");
+    write_all(&a, quiet, rare);
+    ok(adaptive_is_due(&a, 32), "afterwards with what single blocks lack,");
+    adaptive_release(&a);
+    start(&a, 2, 2, .1);
+    write_all(&a, quiet, quiet);
+    ok(adaptive_is_due(&a, 16), "what is quiet is soon done");
+    adaptive_aim(&a, 1e-4);
+    ok(!adaptive_is_due(&a, 16), "for this target");
     adaptive_release(&a);
     start(&a, 2, 2, .1);
     write_all(&a, dark, dark);
-    ok(!adaptive_is_due(&a, 16), "before the pilot nothing is");
-    write_all(&a, dark, dark);
-    ok(adaptive_is_due(&a, 32), "nothing at all is soon done");
+    ok(adaptive_is_due(&a, 16), "and so is nothing at all");
     adaptive_release(&a);
     start(&a, 2, 2, .1);
     for (int i = 0; i < 3; i++)
@@ -227,24 +237,24 @@ static void checkpoints(void)
                                          {INFINITY, 1}, {1, NAN}, {1, -INFINITY}};
     uint32_t found = 0;
     for (size_t i = 0; i < countof(bad); i++) {
-        a.blocks[4] = bad[i];
-        found += refuses(&a, "round 2, block 0: ");
+        a.blocks[6] = bad[i];
+        found += refuses(&a, "round 3, block 0: ");
     }
-    a.blocks[4] = quiet;
+    a.blocks[6] = quiet;
     ok(found == countof(bad), "each number is looked at");
-    a.blocks[2] = (struct adaptive_block){-1, 0};
-    ok(refuses(&a, "round 1, block 0: not sampled"), "all take part in the pilot");
-    a.blocks[2] = quiet;
-    a.spp[2] = 128;
-    ok(refuses(&a, "round 2 ends at 128"), "no round is left out");
-    a.spp[2] = 64;
+    a.blocks[4] = (struct adaptive_block){-1, 0};
+    ok(refuses(&a, "round 2, block 0: not sampled"), "all take part in the pilot");
+    a.blocks[4] = quiet;
+    a.spp[3] = 128;
+    ok(refuses(&a, "round 3 ends at 128"), "no round is left out");
+    a.spp[3] = 64;
     a.least = -1;
     ok(refuses(&a, "least"), "the floor of dark pixels is one");
     a.least = 0;
-    adaptive_resize(&a, 4);
-    a.spp[3] = 128;
-    a.blocks[6] = a.blocks[7] = quiet;
-    ok(refuses(&a, "round 3, block 1: sampled"), "what has stopped does not begin again");
+    adaptive_resize(&a, 5);
+    a.spp[4] = 128;
+    a.blocks[8] = a.blocks[9] = quiet;
+    ok(refuses(&a, "round 4, block 1: sampled"), "what has stopped does not begin again");
     adaptive_release(&a);
 }
 
@@ -402,13 +412,13 @@ static void liars(void)
     struct arena arena = {0};
     struct err err = {.text = ""};
     adapt_init(&a, (struct tile_rect){0, 0, 16, 8}, 16);
-    struct film_samples s = film_samples_make(a.film.window, (struct tile_pass){0, 16}, &arena);
+    struct film_samples s = film_samples_make(a.film.window, (struct tile_pass){0, 8}, &arena);
     for (size_t i = 0; i < 128 * FILM_CHANNELS; i++)
         s.sums[i] = i % 3 ? FLT_MAX : -FLT_MAX * (float)(i % 2);
     s.blocks[0] = (struct block){.sum = DBL_MAX, .square = DBL_MAX};
     s.blocks[1] = (struct block){.sum = 1e-300, .square = 0, .top = {FLT_MAX}};
     film_merge(&a.film, &s);
-    const struct adaptive_look look = adaptive_look(&a.film, 16, &a.adaptive, &arena);
+    const struct adaptive_look look = adaptive_look(&a.film, 8, &a.adaptive, &arena);
     adaptive_add(&a.adaptive, &look);
     ok(adaptive_check(&a.adaptive, &err), "whatever comes is written down as numbers %s", err.text);
     arena_release(&arena);
