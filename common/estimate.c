@@ -23,8 +23,7 @@ void estimate_pixel(const struct film *f, size_t pixel, double standard_error[3]
     }
 }
 
-/* What keeps dark pixels from counting without bound: e of the header. */
-static double least_of(const struct film *f)
+double estimate_least(const struct film *f)
 {
     const size_t pixels = tile_rect_pixels(f->window);
     double total = 0;
@@ -39,7 +38,7 @@ static double least_of(const struct film *f)
 double estimate_error(const struct film *f)
 {
     const size_t pixels = tile_rect_pixels(f->window);
-    const double least = least_of(f);
+    const double least = estimate_least(f);
     double sum = 0;
     for (size_t i = 0; i < pixels; i++) {
         double mean[3], s[3];
@@ -86,24 +85,46 @@ static void jackknife_pixel(const struct film *f, size_t pixel, double least,
     }
 }
 
-struct estimate_interval estimate_interval(const struct film *f)
+/* U of the header and how far its interval reaches to either side. */
+struct square {
+    double at, wide;
+};
+
+static struct square square_of(const struct film *f, struct tile_rect part, double least)
 {
     enum { R = FILM_REPLICATES };
-    const size_t pixels = tile_rect_pixels(f->window);
-    const double least = least_of(f);
+    const struct tile_rect w = f->window;
+    const size_t width = w.x_end - w.x_begin;
     double without[R + 1] = {0}, pseudo[R], center = 0, spread = 0;
-    for (size_t i = 0; i < pixels; i++) {
-        if (f->spp[i] < R)
-            return (struct estimate_interval){0, (double)INFINITY};
-        jackknife_pixel(f, i, least, without);
-    }
+    for (uint32_t y = part.y_begin; y < part.y_end; y++)
+        for (uint32_t x = part.x_begin; x < part.x_end; x++) {
+            const size_t i = (y - w.y_begin) * width + (x - w.x_begin);
+            if (f->spp[i] < R)
+                return (struct square){(double)INFINITY, 0};
+            jackknife_pixel(f, i, least, without);
+        }
     for (int r = 0; r < R; r++) {
         pseudo[r] = R * without[R] - (R - 1) * without[r];
         center += pseudo[r] / R;
     }
     for (int r = 0; r < R; r++)
         spread += (pseudo[r] - center) * (pseudo[r] - center);
-    const double wide = 2.365 * sqrt(spread / (R * (R - 1)));
-    const double low = without[R] - wide, high = without[R] + wide, n = 3.0 * (double)pixels;
+    return (struct square){without[R], 2.365 * sqrt(spread / (R * (R - 1)))};
+}
+
+struct estimate_interval estimate_interval(const struct film *f)
+{
+    const struct square u = square_of(f, f->window, estimate_least(f));
+    if (isinf(u.at))
+        return (struct estimate_interval){0, (double)INFINITY};
+    const double low = u.at - u.wide, high = u.at + u.wide;
+    const double n = 3.0 * (double)tile_rect_pixels(f->window);
     return (struct estimate_interval){low > 0 ? sqrt(low / n) : 0, sqrt(high / n)};
+}
+
+struct estimate_part estimate_part(const struct film *f, struct tile_rect part, double least)
+{
+    const struct square u = square_of(f, part, least);
+    const double n = 3.0 * (double)tile_rect_pixels(part);
+    return (struct estimate_part){u.at / n, (u.at + u.wide) / n};
 }

@@ -17,8 +17,9 @@
  * and from each seven of them (the jackknife; y and e stay those of all samples). With U of all and
  * U_r without replicate r, 8 U - 7 U_r are eight values whose spread is that of U, and U +- 2.365
  * times their standard error, 7 degrees of freedom, is a 95 % interval of U; its roots are the
- * error's. What no sample has shown yet it cannot know: evidence.h says where that may be much.
- * Pure functions. SPDX-License-Identifier: MIT */
+ * error's. What no sample has shown yet it cannot know: evidence.h says where that may be much. Of
+ * a part of the image U is the same sum over that part (adaptive.h). Pure functions.
+ * SPDX-License-Identifier: MIT */
 #ifndef COMMON_ESTIMATE_H
 #define COMMON_ESTIMATE_H
 
@@ -28,6 +29,17 @@ void estimate_pixel(const struct film *, size_t pixel, double standard_error[3])
 struct estimate_interval {
     double low, high;
 };
+
+/* e: what keeps dark pixels from counting without bound. */
+double estimate_least(const struct film *);
+
+struct estimate_part { /* mean over px, ch of s^2 / (y^2 + e^2), and the upper end of its interval
+                        */
+    double error2, high;
+};
+
+/* Of the rectangle, inside the film's window; both +infinity while a pixel's error is unknown. */
+struct estimate_part estimate_part(const struct film *, struct tile_rect, double least);
 
 /* 95 %, of estimate_error; [0, +infinity] while that is unknown. */
 struct estimate_interval estimate_interval(const struct film *);

@@ -47,7 +47,7 @@ static bool has_grown(const float v[BLOCK_DOUBLINGS])
     return grown;
 }
 
-static struct evidence_block judge(const struct film *f, size_t i)
+struct evidence_block evidence_block(const struct film *f, size_t i)
 {
     const struct block *b = &f->blocks[i];
     const double n = samples_of(f, i);
@@ -114,7 +114,8 @@ struct region { /* of blocks: columns and rows, half-open */
 };
 
 struct tail {
-    double *values; /* the arena's, room for BLOCK_TOP of every block of a region */
+    const bool *among; /* [block]: of these alone; NULL: of all */
+    double *values;    /* the arena's, room for BLOCK_TOP of every block of a region */
     size_t count, blocks;
     double samples;
 };
@@ -140,7 +141,7 @@ static void gather(const struct film *f, uint32_t columns, const struct region *
         for (uint32_t x = r->x_begin; x < r->x_end; x++) {
             const size_t at = (size_t)y * columns + x;
             const double n = samples_of(f, at), scale = scale_of(&f->blocks[at], n);
-            if (scale == 0)
+            if (scale == 0 || (t->among && !t->among[at]))
                 continue;
             t->blocks++;
             t->samples += n;
@@ -153,12 +154,14 @@ static void gather(const struct film *f, uint32_t columns, const struct region *
 }
 
 static void flag_from(const struct film *f, struct evidence *e, const struct region *r,
-                      double least)
+                      const struct tail *t, double least)
 {
     for (uint32_t y = r->y_begin; y < r->y_end; y++)
         for (uint32_t x = r->x_begin; x < r->x_end; x++) {
             const size_t at = (size_t)y * e->columns + x;
             const struct block *b = &f->blocks[at];
+            if (t->among && !t->among[at])
+                continue;
             if ((double)b->top[0] * scale_of(b, samples_of(f, at)) > least)
                 e->blocks[at].verdict = EVIDENCE_HEAVY;
         }
@@ -173,7 +176,7 @@ static void judge_region(const struct film *f, struct evidence *e, const struct 
         return;
     qsort(t->values, t->count, sizeof *t->values, falling);
     if (is_heavy(t->values, k))
-        flag_from(f, e, r, t->values[k]);
+        flag_from(f, e, r, t, t->values[k]);
 }
 
 /* Part i of so many of n blocks: REGION each, the last ones a little more. */
@@ -183,10 +186,11 @@ static uint32_t part(uint32_t i, uint32_t n)
     return (uint32_t)((uint64_t)i * n / parts);
 }
 
-static void judge_regions(const struct film *f, struct evidence *e, struct arena *arena)
+static void judge_regions(const struct film *f, const bool *among, struct evidence *e,
+                          struct arena *arena)
 {
     enum { MOST_BLOCKS = 4 * REGION * REGION };
-    struct tail t = {.values = arena_new(arena, double, MOST_BLOCKS *BLOCK_TOP)};
+    struct tail t = {.among = among, .values = arena_new(arena, double, MOST_BLOCKS *BLOCK_TOP)};
     for (uint32_t j = 0; j < max_u32(e->rows / REGION, 1); j++)
         for (uint32_t i = 0; i < max_u32(e->columns / REGION, 1); i++) {
             const struct region r = {part(i, e->columns), part(j, e->rows), part(i + 1, e->columns),
@@ -197,18 +201,23 @@ static void judge_regions(const struct film *f, struct evidence *e, struct arena
 
 /* ---- all ---- */
 
-struct evidence evidence_make(const struct film *f, struct arena *arena)
+struct evidence evidence_among(const struct film *f, const bool *among, struct arena *arena)
 {
     const size_t count = block_count(f->window);
     struct evidence e = {block_columns(f->window), block_rows(f->window),
                          arena_new(arena, struct evidence_block, count), 0, 0};
     for (size_t i = 0; i < count; i++)
-        e.blocks[i] = judge(f, i);
-    judge_regions(f, &e, arena);
+        e.blocks[i] = evidence_block(f, i);
+    judge_regions(f, among, &e, arena);
     double pixels[EVIDENCE_HEAVY + 1] = {0};
     for (size_t i = 0; i < count; i++)
         pixels[e.blocks[i].verdict] += tile_rect_pixels(block_rect_of(f->window, i));
     e.unknown = pixels[EVIDENCE_UNKNOWN] / tile_rect_pixels(f->window);
     e.heavy = pixels[EVIDENCE_HEAVY] / tile_rect_pixels(f->window);
     return e;
+}
+
+struct evidence evidence_make(const struct film *f, struct arena *arena)
+{
+    return evidence_among(f, NULL, arena);
 }

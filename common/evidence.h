@@ -50,6 +50,13 @@ struct evidence {
 
 struct evidence evidence_make(const struct film *, struct arena *);
 
+/* The same, with the tails of these blocks alone: [block]. Who asks again with more samples only
+ * about what was flagged before does not depend on the others' samples. */
+struct evidence evidence_among(const struct film *, const bool *blocks, struct arena *);
+
+/* Of one block (by its number in the window), from what is known of it alone: all but the tail. */
+struct evidence_block evidence_block(const struct film *, size_t i);
+
 /* Hill's estimate of the tail index from the k largest of values[0 .. k], falling and positive;
  * +infinity when they are all the same. */
 double evidence_hill(const double *values, size_t k);

@@ -13,7 +13,8 @@
  *   be black for STOP_DARK_SPP samples
  *
  * What single blocks lack is said by evidence.h, and does not keep a job from ending: a black wall
- * would. A function of the film alone. SPDX-License-Identifier: MIT */
+ * would. Judged rounds from the pilot's on are adaptive.h's. A function of the film alone.
+ * SPDX-License-Identifier: MIT */
 #ifndef COMMON_STOP_H
 #define COMMON_STOP_H
 
