@@ -130,6 +130,8 @@ static void read_report(const json_t *report, struct remote_job *job)
     job->error_low = known ? json_number_value(json_array_get(interval, 0)) : -1;
     job->error_high = known ? json_number_value(json_array_get(interval, 1)) : -1;
     job->untrusted = trusted < 0 ? -1 : 1 - trusted;
+    job->spp_least = (uint32_t)whole(json_object_get(report, "spp"), "least");
+    job->spp_most = (uint32_t)whole(json_object_get(report, "spp"), "most");
 }
 
 static bool read_job(const json_t *root, struct remote_job *job, struct err *err)

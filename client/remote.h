@@ -33,6 +33,7 @@ struct remote_job {
     double progress;              /* of the nearest target, 0 to 1 */
     double error;                 /* < 0: not known yet */
     double error_low, error_high; /* its 95 % interval; < 0: not known */
+    uint32_t spp_least, spp_most; /* samples of a pixel, as far as reported */
     double untrusted;   /* share of pixels whose error bars are not to be trusted; < 0: not known */
     double rate;        /* samples per second; < 0: not known */
     double eta_seconds; /* < 0: not known */
