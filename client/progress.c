@@ -50,7 +50,11 @@ static int percent(const struct remote_job *job)
 void progress_text(const struct remote_job *job, char *out, size_t bytes)
 {
     struct text t = {out, bytes, 0};
-    add(&t, "%3d %%  %u spp", percent(job), job->spp);
+    add(&t, "%3d %%  ", percent(job));
+    if (job->spp_least < job->spp_most && remote_is_over(job->state))
+        add(&t, "%u to %u spp", job->spp_least, job->spp_most);
+    else
+        add(&t, "%u spp", job->spp);
     if (job->error >= 0)
         add(&t, "  error %.3g", job->error);
     if (job->error >= 0 && job->error_high > 0)

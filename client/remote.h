@@ -33,6 +33,7 @@ struct remote_job {
     double progress;              /* of the nearest target, 0 to 1 */
     double error;                 /* < 0: not known yet */
     double error_low, error_high; /* its 95 % interval; < 0: not known */
+    uint32_t spp_least, spp_most; /* samples of a pixel, as far as reported */
     double untrusted;   /* share of pixels whose error bars are not to be trusted; < 0: not known */
     double rate;        /* samples per second; < 0: not known */
     double eta_seconds; /* < 0: not known */
@@ -41,6 +42,11 @@ struct remote_job {
     uint64_t samples, invalid_samples;
     char digest[HASH_HEX]; /* of the finished image; "" before */
     char failure[512];     /* "" unless it failed */
+};
+
+struct remote_target { /* of a job that is done; at least one is given */
+    double error;      /* 0: none */
+    uint32_t spp;      /* 0: none */
 };
 
 enum { REMOTE_CURVE = 512 };
@@ -69,6 +75,8 @@ bool remote_submit(struct remote *, const char *document, size_t bytes, int32_t 
                    struct remote_job *job, struct buf *json, struct err *) MUST_CHECK;
 bool remote_cancel(struct remote *, const char *id, struct remote_job *job,
                    struct err *) MUST_CHECK;
+bool remote_continue(struct remote *, const char *id, const struct remote_target *,
+                     struct err *) MUST_CHECK;
 /* etag: in and out, "" at first; *changed false: as before, `job` is untouched. */
 bool remote_look(struct remote *, const char *id, char etag[80], bool *changed,
                  struct remote_job *job, struct buf *json, struct err *) MUST_CHECK;

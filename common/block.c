@@ -56,6 +56,15 @@ size_t block_set_count(const struct block_set *s)
     return n;
 }
 
+uint32_t block_set_pixels(const struct block_set *s, struct tile_rect r)
+{
+    uint32_t pixels = 0;
+    for (size_t i = 0; i < block_count(r); i++)
+        if (block_set_has(s, i))
+            pixels += tile_rect_pixels(block_rect_of(r, i));
+    return pixels;
+}
+
 bool block_set_equal(const struct block_set *a, const struct block_set *b)
 {
     return !memcmp(a->bits, b->bits, sizeof a->bits);

@@ -91,6 +91,7 @@ static inline void block_set_add(struct block_set *s, size_t i)
 
 struct block_set block_set_all(size_t count); /* blocks [0, count) */
 size_t block_set_count(const struct block_set *);
+uint32_t block_set_pixels(const struct block_set *, struct tile_rect); /* of its blocks */
 bool block_set_equal(const struct block_set *, const struct block_set *);
 bool block_set_within(const struct block_set *part, const struct block_set *whole);
 

@@ -66,11 +66,12 @@ bool film_samples_run(const struct film_samples *s, uint32_t y_px, uint32_t *x_b
 
 uint32_t film_samples_pixels(const struct film_samples *s)
 {
-    uint32_t pixels = tile_rect_pixels(s->rect);
-    for (size_t i = 0; s->partial && i < block_count(s->rect); i++)
-        if (!block_set_has(&s->active, i))
-            pixels -= tile_rect_pixels(block_rect_of(s->rect, i));
-    return pixels;
+    return s->partial ? block_set_pixels(&s->active, s->rect) : tile_rect_pixels(s->rect);
+}
+
+struct block_set film_samples_active(const struct film_samples *s)
+{
+    return s->partial ? s->active : block_set_all(block_count(s->rect));
 }
 
 void film_samples_note_invalid(struct film_samples *s, struct film_key key)

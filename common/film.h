@@ -87,7 +87,8 @@ static inline bool film_samples_has(const struct film_samples *s, size_t block)
  * Before the first call *x_begin is rect's; afterwards it goes on from *x_end. */
 bool film_samples_run(const struct film_samples *, uint32_t y_px, uint32_t *x_begin,
                       uint32_t *x_end);
-uint32_t film_samples_pixels(const struct film_samples *); /* that are sampled */
+uint32_t film_samples_pixels(const struct film_samples *);         /* that are sampled */
+struct block_set film_samples_active(const struct film_samples *); /* of a tile: also if all are */
 
 struct film {
     struct tile_rect window; /* pixels of the whole frame */

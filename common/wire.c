@@ -37,10 +37,9 @@ static size_t active_bytes(const struct film_samples *s)
 
 static void write_active(const struct film_samples *s, struct buf *out)
 {
-    const struct block_set all = block_set_all(block_count(s->rect));
-    const struct block_set *active = s->partial ? &s->active : &all;
+    const struct block_set active = film_samples_active(s);
     for (size_t i = 0; i < active_bytes(s); i++) {
-        const unsigned char byte = (unsigned char)(active->bits[i / 8] >> 8 * (i % 8));
+        const unsigned char byte = (unsigned char)(active.bits[i / 8] >> 8 * (i % 8));
         buf_append(out, &byte, 1);
     }
 }

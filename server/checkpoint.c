@@ -12,7 +12,7 @@
 #include "common/buf.h"
 #include "server/disk.h"
 
-enum { VERSION = 3, STEP = 1 << 20 };
+enum { VERSION_UNIFORM = 3, VERSION = 4, STEP = 1 << 20 };
 
 static const char magic[8] = {'S', 'M', 'L', 'T', 'F', 'I', 'L', 'M'};
 
@@ -23,6 +23,7 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "arrays are written as
 _Static_assert(sizeof(struct block) == 5 * 8 + BLOCK_TOP * 4, "no padding in blocks");
 _Static_assert(sizeof(struct film_work) == 6 * 8 && sizeof(struct film_dropped) == 2 * 4,
                "nor in these");
+_Static_assert(sizeof(struct adaptive_block) == 2 * 4, "nor in these");
 
 static void head_write(const struct checkpoint *c, struct buf *out)
 {
@@ -48,7 +49,7 @@ static void head_write(const struct checkpoint *c, struct buf *out)
     }
 }
 
-enum { HEAD_BYTES = 8 + 4 + 4 + 8 + 8 + 6 * 4 + 5 * 8, ARRAYS = 10 };
+enum { HEAD_BYTES = 8 + 4 + 4 + 8 + 8 + 6 * 4 + 5 * 8, ARRAYS = 9, RECORDS = 5 };
 
 struct span {
     void *data;
@@ -63,7 +64,6 @@ static void arrays_of(struct checkpoint *c, struct span out[ARRAYS])
     const struct span all[ARRAYS] = {
         {&f->work, sizeof f->work},
         {&f->dropped, sizeof f->dropped},
-        {c->merged, c->tile_count * sizeof *c->merged},
         {f->sum, pixels * 3 * sizeof *f->sum},
         {f->replicate, pixels * FILM_CHANNELS * sizeof *f->replicate},
         {f->spp, pixels * sizeof *f->spp},
@@ -71,6 +71,20 @@ static void arrays_of(struct checkpoint *c, struct span out[ARRAYS])
         {f->layer, pixels * channels * sizeof *f->layer},
         {f->blocks, blocks * sizeof *f->blocks},
         {f->variance, blocks * BLOCK_DOUBLINGS * sizeof *f->variance},
+    };
+    memcpy(out, all, sizeof all);
+}
+
+/* Once a->rounds is known: all but the first two. */
+static void records_of(struct checkpoint *c, struct span out[RECORDS])
+{
+    struct adaptive *a = &c->adaptive;
+    const struct span all[RECORDS] = {
+        {&c->rounds_judged, sizeof c->rounds_judged},
+        {&a->rounds, sizeof a->rounds},
+        {&a->least, sizeof a->least},
+        {a->spp, a->rounds * sizeof *a->spp},
+        {a->blocks, a->rounds * a->count * sizeof *a->blocks},
     };
     memcpy(out, all, sizeof all);
 }
@@ -89,13 +103,14 @@ static bool put(struct disk_file *f, struct hash *h, const void *data, size_t by
 static bool write_all(struct checkpoint *c, struct disk_file *f, struct err *err)
 {
     struct buf head = {0};
-    struct span arrays[ARRAYS];
+    struct span arrays[ARRAYS + RECORDS];
     struct hash *h = hash_new();
     char hex[HASH_HEX];
     head_write(c, &head);
     arrays_of(c, arrays);
+    records_of(c, arrays + ARRAYS);
     bool ok = put(f, h, head.data, head.size, err);
-    for (int i = 0; ok && i < ARRAYS; i++)
+    for (size_t i = 0; ok && i < countof(arrays); i++)
         ok = put(f, h, arrays[i].data, arrays[i].bytes, err);
     buf_release(&head);
     hash_finish(h, hex);
@@ -120,6 +135,7 @@ struct source {
     int fd;
     const char *path;
     struct hash *hash;
+    uint32_t version;
 };
 
 static bool get(struct source *s, void *data, size_t bytes, struct err *err)
@@ -148,7 +164,8 @@ static bool read_head(struct source *s, struct checkpoint *c, struct err *err)
     struct store_job *row = &c->row;
     const struct tile_rect w = row->crop;
     bool ok = !memcmp(buf_read(&r, sizeof magic), magic, sizeof magic);
-    ok &= buf_read_u32(&r) == VERSION;
+    s->version = buf_read_u32(&r);
+    ok &= s->version == VERSION || s->version == VERSION_UNIFORM;
     ok &= buf_read_u32(&r) == c->tile_count;
     ok &= buf_read_u64(&r) == row->id;
     c->generation = buf_read_u64(&r);
@@ -163,6 +180,9 @@ static bool read_head(struct source *s, struct checkpoint *c, struct err *err)
     row->elapsed_ms = (int64_t)buf_read_u64(&r);
     assert(!r.failed && r.at == r.end);
     ok &= c->film.key_count <= FILM_MAX_KEYS;
+    if (ok && s->version == VERSION_UNIFORM && row->target.error > 0)
+        return err_set(err, ERR_INPUT, "%s: a film of version %d has no records of rounds", s->path,
+                       VERSION_UNIFORM);
     return ok || err_set(err, ERR_INPUT, "%s: not a film of this job", s->path);
 }
 
@@ -193,24 +213,68 @@ static bool read_close(struct source *s, struct err *err)
     return true;
 }
 
-/* film_merge asserts what this checks. */
-static bool passes_agree(const struct checkpoint *c)
+static bool get_spans(struct source *s, const struct span *spans, size_t count, struct err *err)
 {
-    const struct tile_grid grid = tile_grid_make(c->row.crop, c->row.tile_px);
-    const struct tile_rect w = c->row.crop;
-    const size_t width = w.x_end - w.x_begin;
-    for (uint32_t t = 0; t < c->tile_count; t++) {
-        if (c->merged[t] > tile_pass_count(c->row.target.spp))
+    for (size_t i = 0; i < count; i++)
+        if (!get(s, spans[i].data, spans[i].bytes, err))
             return false;
-        const uint32_t spp =
-            c->merged[t] ? tile_pass_of(c->merged[t] - 1, c->row.target.spp).s_end : 0;
-        const struct tile_rect r = tile_rect_of(&grid, t);
-        for (uint32_t y = r.y_begin; y < r.y_end; y++)
-            for (uint32_t x = r.x_begin; x < r.x_end; x++)
-                if (c->film.spp[(y - w.y_begin) * width + (x - w.x_begin)] != spp)
-                    return false;
-    }
     return true;
+}
+
+/* What version 3 has in between follows from spp. */
+static bool read_merged(struct source *s, const struct checkpoint *c, struct err *err)
+{
+    uint32_t merged;
+    for (uint32_t i = 0; s->version == VERSION_UNIFORM && i < c->tile_count; i++)
+        if (!get(s, &merged, sizeof merged, err))
+            return false;
+    return true;
+}
+
+static bool read_records(struct source *s, struct checkpoint *c, struct err *err)
+{
+    struct span all[RECORDS];
+    if (s->version == VERSION_UNIFORM)
+        return true;
+    records_of(c, all);
+    if (!get_spans(s, all, 2, err))
+        return false;
+    const uint32_t rounds = c->adaptive.rounds;
+    if (rounds > ADAPTIVE_MAX_ROUNDS) {
+        c->adaptive.rounds = 0;
+        return err_set(err, ERR_INPUT, "%s: %u rounds: expected at most %d", s->path, rounds,
+                       ADAPTIVE_MAX_ROUNDS);
+    }
+    adaptive_resize(&c->adaptive, rounds);
+    records_of(c, all);
+    return get_spans(s, all + 2, RECORDS - 2, err);
+}
+
+/* What film_merge asserts: blocks of equally many samples, whole passes of the job. */
+static bool block_agrees(const struct checkpoint *c, size_t block)
+{
+    const struct tile_rect w = c->row.crop, r = block_rect_of(w, block);
+    const uint32_t *spp = c->film.spp, most = c->row.target.spp;
+    const size_t width = w.x_end - w.x_begin;
+    const uint32_t n = spp[(r.y_begin - w.y_begin) * width + (r.x_begin - w.x_begin)];
+    for (uint32_t y = r.y_begin; y < r.y_end; y++)
+        for (uint32_t x = r.x_begin; x < r.x_end; x++)
+            if (spp[(y - w.y_begin) * width + (x - w.x_begin)] != n)
+                return false;
+    return n <= most && (n == 0 || tile_pass_of(tile_pass_count(n) - 1, most).s_end == n);
+}
+
+static bool check_all(const struct source *s, const struct checkpoint *c, struct err *err)
+{
+    if (c->film.layers != c->row.layers)
+        return err_set(err, ERR_INPUT, "%s: the film's layers are not the job's", s->path);
+    bool agree = c->rounds_judged <= tile_pass_count(c->row.target.spp);
+    for (size_t i = 0; agree && i < block_count(c->row.crop); i++)
+        agree = block_agrees(c, i);
+    if (!agree)
+        return err_set(err, ERR_INPUT, "%s: the film's samples are not of the job's passes",
+                       s->path);
+    return adaptive_check(&c->adaptive, err) || err_at(err, "%s", s->path);
 }
 
 static bool read_all(struct source *s, struct checkpoint *c, struct err *err)
@@ -219,15 +283,9 @@ static bool read_all(struct source *s, struct checkpoint *c, struct err *err)
     if (!read_head(s, c, err) || !read_keys(s, c, err))
         return false;
     arrays_of(c, arrays);
-    for (int i = 0; i < ARRAYS; i++)
-        if (!get(s, arrays[i].data, arrays[i].bytes, err))
-            return false;
-    if (!read_close(s, err))
-        return false;
-    if (c->film.layers != c->row.layers)
-        return err_set(err, ERR_INPUT, "%s: the film's layers are not the job's", s->path);
-    return passes_agree(c) ||
-           err_set(err, ERR_INPUT, "%s: the film's passes and samples differ", s->path);
+    return get_spans(s, arrays, 2, err) && read_merged(s, c, err) &&
+           get_spans(s, arrays + 2, ARRAYS - 2, err) && read_records(s, c, err) &&
+           read_close(s, err) && check_all(s, c, err);
 }
 
 bool checkpoint_read(struct checkpoint *c, const char *path, struct err *err)
@@ -240,7 +298,8 @@ bool checkpoint_read(struct checkpoint *c, const char *path, struct err *err)
     char unused[HASH_HEX];
     film_init(&c->film, c->row.crop);
     film_add_layers(&c->film, c->row.layers);
-    c->merged = arena_malloc(c->tile_count, sizeof *c->merged);
+    adaptive_init(&c->adaptive, c->row.crop);
+    c->rounds_judged = 0;
     s.hash = hash_new();
     const bool ok = read_all(&s, c, err);
     hash_finish(s.hash, unused);
@@ -259,6 +318,5 @@ bool checkpoint_read(struct checkpoint *c, const char *path, struct err *err)
 void checkpoint_release(struct checkpoint *c)
 {
     film_release(&c->film);
-    free(c->merged);
-    c->merged = NULL;
+    adaptive_release(&c->adaptive);
 }

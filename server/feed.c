@@ -143,23 +143,20 @@ static struct job *receiver_of(struct server *s, const struct wire_samples *w, u
         err_set(err, ERR_CONFLICT, "the job has no plan yet");
     else if (job_is_over(j))
         err_set(err, ERR_CONFLICT, "the job is %s", store_state_name(j->row.state));
-    else if (!merge_check(j, w, err))
-        return NULL;
     else if (!j->open && !server_job_open(s, j))
         err_set(err, ERR_CONFLICT, "the job waits for memory");
-    else
+    else if (merge_check(j, w, err))
         return j;
     return NULL;
 }
 
-/* Whoever holds this pass need not go on. */
-static void holder_end(struct server *s, struct job *j, const struct wire_samples *w)
+/* The lease on this pass, whoever holds it; 0: none. */
+static uint64_t lease_on(struct job *j, const struct wire_samples *w)
 {
     if (!job_in_window(j, w->tile, w->pass))
-        return;
+        return 0;
     const struct job_slot *slot = job_slot(j, w->tile, w->pass);
-    if (slot->state == SLOT_LEASED)
-        server_lease_end(s, lease_find(s->leases, slot->lease));
+    return slot->state == SLOT_LEASED ? slot->lease : 0;
 }
 
 static void reply_delivered(struct server *s, const struct request *rq, struct reply *re,
@@ -202,8 +199,10 @@ void feed_deliver(struct server *s, const struct request *rq, struct reply *re)
         problem_from_err(rq, re, &err);
         return;
     }
-    holder_end(s, j, rq->samples);
+    const uint64_t out = lease_on(j, rq->samples);
     const enum merge_result r = merge_deliver(j, rq->samples, s->now_ms);
+    if (out && (r == MERGE_MERGED || r == MERGE_HELD)) /* its holder need not go on */
+        server_lease_end(s, lease_find(s->leases, out));
     s->news = true;
     w->delivered++;
     w->cpu_us += rq->samples->cpu_us;
@@ -211,8 +210,8 @@ void feed_deliver(struct server *s, const struct request *rq, struct reply *re)
               (unsigned long long)j->row.id, rq->samples->tile, rq->samples->pass, w->name,
               merge_result_name(r));
     if (r == MERGE_UNWANTED)
-        problem_reply(rq, re, 409, "pass %u of tile %u comes too early", rq->samples->pass,
-                      rq->samples->tile);
+        problem_reply(rq, re, 409, "pass %u of tile %u comes too %s", rq->samples->pass,
+                      rq->samples->tile, j->finishing || j->reached ? "late" : "early");
     else
         reply_delivered(s, rq, re, w, (uint32_t)want, r);
 }

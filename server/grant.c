@@ -6,6 +6,7 @@
 #include <jansson.h>
 
 #include "common/clock.h"
+#include "server/round.h"
 
 static json_t *plan_lease_json(const struct server *s, const struct lease *l)
 {
@@ -33,11 +34,25 @@ static json_t *pass_lease_json(const struct server *s, const struct lease *l)
                      (json_int_t)s->config->lease_ttl_ms);
 }
 
+/* All of the tile are not worth a word. */
+static void add_blocks(json_t *root, const struct lease *l)
+{
+    const struct job *j = l->job;
+    const size_t count = block_count(tile_rect_of(&j->grid, l->tile));
+    const struct block_set blocks = round_blocks(j, l->tile, l->pass);
+    char hex[BLOCK_SET_HEX];
+    if (block_set_count(&blocks) == count)
+        return;
+    block_set_print(&blocks, count, hex);
+    json_object_set_new(root, "blocks", json_string(hex));
+}
+
 static json_t *lease_json(const struct server *s, const struct lease *l)
 {
     if (l->tile == JOB_PLAN)
         return plan_lease_json(s, l);
     json_t *root = pass_lease_json(s, l);
+    add_blocks(root, l);
     if (l->job->row.method >= STORE_METHOD_PLANNED) {
         const struct plan_names n =
             plan_names((enum plan_candidate_kind)(l->job->row.method - STORE_METHOD_PLANNED));

@@ -19,7 +19,10 @@ struct image_facts {
     float error_low, error_high;         /* its 95 % interval; 0, +infinity: unknown */
     float unknown, heavy; /* shares of pixels without trusted error bars, evidence.h */
     float cpu_seconds;
-    uint32_t spp; /* every pixel has at least these */
+    float stopped;  /* share of pixels that have enough for the error target */
+    float spp_mean; /* samples of a pixel */
+    uint32_t spp;   /* rounds reached: of every pixel that has not stopped */
+    uint32_t spp_least, spp_most;
 };
 
 enum image_packing { IMAGE_PLAIN, IMAGE_ZIP }; /* plain: cheap, for images that are soon replaced */

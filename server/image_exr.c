@@ -73,6 +73,15 @@ static exr_result_t add_facts(exr_context_t f, const struct image_facts *x)
         {"smalti.error", x->error},          {"smalti.errorLow", x->error_low},
         {"smalti.errorHigh", x->error_high}, {"smalti.untrusted", x->unknown + x->heavy},
         {"smalti.heavyTail", x->heavy},      {"smalti.cpuSeconds", x->cpu_seconds},
+        {"smalti.stopped", x->stopped},      {"smalti.sppMean", x->spp_mean},
+    };
+    const struct {
+        const char *name;
+        uint32_t value;
+    } counts[] = {
+        {"smalti.spp", x->spp},
+        {"smalti.sppLeast", x->spp_least},
+        {"smalti.sppMost", x->spp_most},
     };
     exr_result_t r = exr_attr_set_chromaticities(f, 0, "chromaticities", &rec709);
     for (size_t i = 0; !r && i < countof(texts); i++)
@@ -80,7 +89,9 @@ static exr_result_t add_facts(exr_context_t f, const struct image_facts *x)
             r = exr_attr_set_string(f, 0, texts[i].name, texts[i].value);
     for (size_t i = 0; !r && i < countof(numbers); i++)
         r = exr_attr_set_float(f, 0, numbers[i].name, numbers[i].value);
-    return r ? r : exr_attr_set_int(f, 0, "smalti.spp", (int32_t)x->spp);
+    for (size_t i = 0; !r && i < countof(counts); i++)
+        r = exr_attr_set_int(f, 0, counts[i].name, (int32_t)counts[i].value);
+    return r;
 }
 
 /* OpenEXR's boxes include their last pixel. */

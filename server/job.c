@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/round.h"
+
 struct job *job_new(const struct store_job *row)
 {
     struct job *j = arena_malloc(1, sizeof *j);
@@ -26,24 +28,36 @@ void job_free(struct job *j)
 
 /* ---- memory ---- */
 
-void job_open(struct job *j, struct film *film, const uint32_t *merged)
+/* The passes that the film's blocks have. */
+static uint32_t passes_in(const struct film *f)
+{
+    uint32_t most = 0;
+    for (size_t i = 0; i < tile_rect_pixels(f->window); i++)
+        most = max_u32(most, f->spp[i]);
+    return most ? tile_pass_count(most) : 0;
+}
+
+void job_open(struct job *j, struct film *film, struct adaptive *records, uint32_t rounds_judged)
 {
     assert(!j->open);
     j->film = *film;
+    j->adaptive = *records;
     *film = (struct film){0};
+    *records = (struct adaptive){0};
+    adaptive_aim(&j->adaptive, j->row.target.error);
     j->tiles = arena_malloc(j->tile_count, sizeof *j->tiles);
-    uint32_t most = 0, least = UINT32_MAX;
-    for (uint32_t t = 0; merged && t < j->tile_count; t++) {
-        j->tiles[t].merged = merged[t];
-        most = max_u32(most, merged[t]);
-        least = min_u32(least, merged[t]);
+    const uint32_t passes = passes_in(&j->film), seen = max_u32(passes, rounds_judged + 1);
+    uint32_t least = UINT32_MAX;
+    for (uint32_t t = 0; t < j->tile_count; t++) {
+        j->tiles[t].merged = round_passes_of(j, t, min_u32(seen, job_passes(j)));
+        least = min_u32(least, j->tiles[t].merged);
     }
-    j->rounds_done = merged ? least : 0;
+    j->rounds_done = least;
     for (uint32_t t = 0; t < j->tile_count; t++)
         j->tiles_ahead += j->tiles[t].merged > j->rounds_done;
-    /* What is merged was judged and decided before: a round that nobody has begun was not. */
-    j->rounds_judged = most > 0 ? most - 1 : 0;
-    j->rounds_decided = max_u32(most, 1);
+    /* Those that begin again, for another target, were judged before. */
+    j->rounds_judged = min_u32(rounds_judged, j->rounds_done);
+    j->rounds_decided = max_u32(passes, 1);
     j->cursor_pass = j->rounds_done;
     j->open = true;
 }
@@ -58,6 +72,7 @@ void job_close(struct job *j)
     free(j->tiles);
     free(j->troubles);
     film_release(&j->film);
+    adaptive_release(&j->adaptive);
     j->tiles = NULL;
     j->troubles = NULL;
     j->trouble_count = j->trouble_capacity = 0;
@@ -185,7 +200,8 @@ struct job_slot *job_slot(struct job *j, uint32_t tile, uint32_t pass)
 void job_slot_ready(struct job *j, uint32_t tile, uint32_t pass)
 {
     struct job_slot *s = job_slot(j, tile, pass);
-    assert(s->state == SLOT_LEASED || s->state == SLOT_SHUNNED);
+    assert(s->state != SLOT_READY);
+    free(s->held);
     *s = (struct job_slot){.state = SLOT_READY};
     if (pass < j->cursor_pass || (pass == j->cursor_pass && tile < j->cursor_tile)) {
         j->cursor_pass = pass;

@@ -5,17 +5,19 @@
  * open:
  *
  *     READY --granted--> LEASED --delivered--> (merged, or HELD until its turn)
- *       ^                  |  |
+ *       ^                  |  |                    |
  *       +-----expired------+  +--failed--> SHUNNED: for another worker, or for any after a while
- *       +----given back----+
+ *       +----given back----+                       |
+ *       +--of blocks that have stopped since-------+
  *
- * Only the functions here, in sched.c and in merge.c assign a slot's state. A round is the same
- * pass of every tile; `rounds_done` of them are complete.
+ * Only the functions here, in sched.c and in merge.c assign a slot's state. Of which blocks a pass
+ * is, and what a round is, says round.h; `rounds_done` of them are complete.
  * Owner thread only; time is an argument.
  * SPDX-License-Identifier: MIT */
 #ifndef SERVER_JOB_H
 #define SERVER_JOB_H
 
+#include "common/adaptive.h"
 #include "common/film.h"
 #include "server/convergence.h"
 #include "server/rate.h"
@@ -42,6 +44,7 @@ struct job_held { /* a payload that came early */
 struct job_slot {
     enum slot_state state;
     uint64_t lease;        /* SLOT_LEASED: its id */
+    uint32_t blocks;       /* SLOT_LEASED, SLOT_HELD: of how many blocks it is */
     struct job_held *held; /* SLOT_HELD: owned, one block */
 };
 
@@ -75,6 +78,7 @@ struct job {
     bool unsaved; /* its row did not reach the disk */
     bool open;    /* what follows exists */
     struct film film;
+    struct adaptive adaptive; /* aimed at the error target */
     struct job_tile *tiles;
     struct job_trouble *troubles;
     uint32_t trouble_count, trouble_capacity;
@@ -100,9 +104,9 @@ struct job {
 struct job *job_new(const struct store_job *);
 void job_free(struct job *);
 
-/* Memory for its film and passes; `merged` (borrowed, per tile) and the film's content come from a
- * checkpoint, or are NULL for an empty film. Takes over the film's arrays. */
-void job_open(struct job *, struct film *, const uint32_t *merged);
+/* Memory for its passes; takes over the film's and the records' arrays. They come from a checkpoint
+ * with the rounds that were judged then, or are empty and 0. */
+void job_open(struct job *, struct film *, struct adaptive *, uint32_t rounds_judged);
 void job_close(struct job *);
 uint64_t job_film_bytes(const struct job *); /* what being open costs */
 
@@ -123,7 +127,8 @@ void job_clock(struct job *, int64_t now_ms); /* brings row.elapsed_ms up to dat
 /* Passes. */
 bool job_in_window(const struct job *, uint32_t tile, uint32_t pass);
 struct job_slot *job_slot(struct job *, uint32_t tile, uint32_t pass); /* in the window */
-void job_slot_ready(struct job *, uint32_t tile, uint32_t pass);       /* back for anyone */
+/* Back for anyone; what is held is dropped. */
+void job_slot_ready(struct job *, uint32_t tile, uint32_t pass);
 struct job_trouble *job_trouble_of(struct job *, uint32_t tile, uint32_t pass); /* makes it */
 void job_trouble_forget(struct job *, uint32_t tile, uint32_t pass);
 

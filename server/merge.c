@@ -5,11 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/round.h"
+
 static const uint64_t most_cpu_us = (uint64_t)24 * 3600 * 1000000; /* of one pass; a peer's claim */
 
 const char *merge_result_name(enum merge_result r)
 {
-    static const char *const names[] = {"merged", "held", "duplicate", "unwanted"};
+    static const char *const names[] = {"merged", "held", "duplicate", "stale", "unwanted"};
     return names[r];
 }
 
@@ -17,6 +19,19 @@ static bool rect_equal(struct tile_rect a, struct tile_rect b)
 {
     return a.x_begin == b.x_begin && a.y_begin == b.y_begin && a.x_end == b.x_end &&
            a.y_end == b.y_end;
+}
+
+/* Of a pass whose round is open, which lacks these blocks and will lack no others. */
+static bool check_blocks(const struct job *j, const struct wire_samples *w, struct err *err)
+{
+    if (j->finishing || !job_in_window(j, w->tile, w->pass) || !round_is_open(j, w->pass))
+        return true;
+    const struct block_set want = round_blocks(j, w->tile, w->pass);
+    const struct block_set have = film_samples_active(&w->samples);
+    return block_set_within(&want, &have) ||
+           err_set(err, ERR_PROTOCOL,
+                   "payload of %zu blocks: tile %u lacks %zu in pass %u, not all are among them",
+                   block_set_count(&have), w->tile, block_set_count(&want), w->pass);
 }
 
 bool merge_check(const struct job *j, const struct wire_samples *w, struct err *err)
@@ -37,9 +52,6 @@ bool merge_check(const struct job *j, const struct wire_samples *w, struct err *
     if (!s->blocks)
         return err_set(err, ERR_PROTOCOL, "payload without blocks: expected version %d",
                        WIRE_VERSION);
-    if (s->partial)
-        return err_set(err, ERR_PROTOCOL, "payload of %zu blocks of tile %u: expected all %zu",
-                       block_set_count(&s->active), w->tile, block_count(rect));
     if (s->layers != j->row.layers)
         return err_set(err, ERR_PROTOCOL, "payload layers 0x%x: expected 0x%x", s->layers,
                        j->row.layers);
@@ -49,7 +61,7 @@ bool merge_check(const struct job *j, const struct wire_samples *w, struct err *
     const bool inside = w->pass < job_passes(j);
     const struct tile_pass want = tile_pass_of(w->pass, inside ? j->row.target.spp : SCENE_MAX_SPP);
     if (inside && s->pass.s_begin == want.s_begin && s->pass.s_end == want.s_end)
-        return true;
+        return check_blocks(j, w, err);
     if (j->row.settled && s->pass.s_begin == want.s_begin)
         return err_set(err, ERR_CONFLICT, "the job stops at %u samples per pixel",
                        j->row.target.spp);
@@ -57,34 +69,16 @@ bool merge_check(const struct job *j, const struct wire_samples *w, struct err *
                    w->pass, s->pass.s_begin, s->pass.s_end, want.s_begin, want.s_end);
 }
 
-static bool may_merge(const struct job *j, uint32_t pass)
-{
-    return j->row.target.error <= 0 || pass <= j->rounds_judged;
-}
-
-static void count_round(struct job *j, uint32_t merged)
-{
-    j->tiles_ahead += merged == j->rounds_done + 1;
-    if (j->tiles_ahead < j->tile_count)
-        return;
-    j->row.spp_done = tile_pass_of(j->rounds_done, j->row.target.spp).s_end;
-    j->rounds_done++;
-    j->tiles_ahead = 0;
-    for (uint32_t t = 0; t < j->tile_count; t++)
-        j->tiles_ahead += j->tiles[t].merged > j->rounds_done;
-}
-
 static void merge_one(struct job *j, uint32_t tile, const struct film_samples *s, uint64_t cpu_us,
                       int64_t now_ms)
 {
     struct job_tile *t = &j->tiles[tile];
-    const uint64_t samples =
-        (uint64_t)tile_rect_pixels(s->rect) * (s->pass.s_end - s->pass.s_begin);
+    const uint64_t samples = (uint64_t)film_samples_pixels(s) * (s->pass.s_end - s->pass.s_begin);
     film_merge(&j->film, s);
     job_trouble_forget(j, tile, t->merged);
     t->slots[t->merged % JOB_LOOKAHEAD] = (struct job_slot){.state = SLOT_READY};
     t->merged++;
-    count_round(j, t->merged);
+    round_count(j, t->merged);
     rate_add(&j->rate, (double)samples, now_ms);
     j->row.samples += samples;
     j->row.passes_done++;
@@ -101,18 +95,33 @@ static size_t held_bytes(const struct film_samples *s)
            tile_rect_pixels(s->rect) * (FILM_CHANNELS + layers_channels(s->layers)) * sizeof(float);
 }
 
+/* The tile's next pass lacks nothing. */
+static void pass_over(struct job *j, uint32_t tile)
+{
+    struct job_tile *t = &j->tiles[tile];
+    assert(job_slot(j, tile, t->merged)->state != SLOT_HELD);
+    job_trouble_forget(j, tile, t->merged);
+    t->slots[t->merged % JOB_LOOKAHEAD] = (struct job_slot){.state = SLOT_READY};
+    t->merged++;
+    round_count(j, t->merged);
+    job_touch(j);
+}
+
 /* What was waiting for this tile's next pass. */
 static void merge_waiting(struct job *j, uint32_t tile, int64_t now_ms)
 {
     struct job_tile *t = &j->tiles[tile];
-    for (;;) {
-        struct job_slot *s = &t->slots[t->merged % JOB_LOOKAHEAD];
-        if (s->state != SLOT_HELD || !may_merge(j, t->merged))
+    while (t->merged < job_passes(j) && round_is_open(j, t->merged)) {
+        struct job_held *h = job_slot(j, tile, t->merged)->held;
+        if (h) {
+            j->held_bytes -= held_bytes(&h->samples);
+            merge_one(j, tile, &h->samples, h->cpu_us, now_ms);
+            free(h);
+        } else if (round_lacks(j, tile, t->merged)) {
             return;
-        struct job_held *h = s->held;
-        j->held_bytes -= held_bytes(&h->samples);
-        merge_one(j, tile, &h->samples, h->cpu_us, now_ms);
-        free(h);
+        } else {
+            pass_over(j, tile);
+        }
     }
 }
 
@@ -132,8 +141,43 @@ static void hold(struct job *j, const struct wire_samples *w)
     memcpy(sums, s->sums, image * sizeof *sums);
     if (layers)
         memcpy(sums + image, s->layer_sums, layers * sizeof *sums);
-    *job_slot(j, w->tile, w->pass) = (struct job_slot){.state = SLOT_HELD, .held = h};
+    const struct block_set active = film_samples_active(s);
+    *job_slot(j, w->tile, w->pass) = (struct job_slot){
+        .state = SLOT_HELD, .blocks = (uint32_t)block_set_count(&active), .held = h};
     j->held_bytes += held_bytes(s);
+}
+
+/* What is out, or waits, of passes that have lost blocks since: they will be asked for again,
+ * without those. Work is then the same whoever was how fast. */
+static void drop_larger(struct job *j, uint32_t tile)
+{
+    const struct job_tile *t = &j->tiles[tile];
+    for (uint32_t pass = t->merged; job_in_window(j, tile, pass); pass++) {
+        const struct job_slot *s = job_slot(j, tile, pass);
+        if (s->state != SLOT_LEASED && s->state != SLOT_HELD)
+            continue;
+        const struct block_set lacking = round_blocks(j, tile, pass);
+        if (block_set_count(&lacking) == s->blocks)
+            continue;
+        if (s->state == SLOT_HELD)
+            j->held_bytes -= held_bytes(&s->held->samples);
+        job_slot_ready(j, tile, pass);
+    }
+}
+
+static void next_round(struct job *j, int64_t now_ms)
+{
+    j->rounds_judged = j->rounds_done;
+    for (uint32_t t = 0; t < j->tile_count; t++) {
+        drop_larger(j, t);
+        merge_waiting(j, t, now_ms);
+    }
+}
+
+static void go_on(struct job *j, int64_t now_ms)
+{
+    while (round_goes_on(j))
+        next_round(j, now_ms);
 }
 
 enum merge_result merge_deliver(struct job *j, const struct wire_samples *w, int64_t now_ms)
@@ -145,37 +189,30 @@ enum merge_result merge_deliver(struct job *j, const struct wire_samples *w, int
     }
     const bool undecided =
         j->row.target.seconds > 0 && !j->row.settled && w->pass >= j->rounds_decided;
-    if (!job_in_window(j, w->tile, w->pass) || undecided)
+    if (j->finishing || j->reached || !job_in_window(j, w->tile, w->pass) || undecided)
         return MERGE_UNWANTED;
-    struct job_slot *s = job_slot(j, w->tile, w->pass);
-    if (s->state == SLOT_HELD) {
+    if (job_slot(j, w->tile, w->pass)->state == SLOT_HELD) {
         j->row.duplicates++;
         return MERGE_DUPLICATE;
     }
-    if (w->pass > t->merged || !may_merge(j, w->pass)) {
+    const struct block_set want = round_blocks(j, w->tile, w->pass);
+    const struct block_set have = film_samples_active(&w->samples);
+    if (!block_set_equal(&want, &have))
+        return block_set_within(&want, &have) ? MERGE_STALE : MERGE_UNWANTED;
+    if (w->pass > t->merged || !round_is_open(j, w->pass)) {
         hold(j, w);
         job_touch(j);
         return MERGE_HELD;
     }
     merge_one(j, w->tile, &w->samples, w->cpu_us, now_ms);
     merge_waiting(j, w->tile, now_ms);
+    go_on(j, now_ms);
     return MERGE_MERGED;
-}
-
-bool merge_is_complete(const struct job *j)
-{
-    return j->open && j->rounds_done >= job_passes(j);
-}
-
-bool merge_wants_judge(const struct job *j)
-{
-    return j->open && j->row.target.error > 0 && j->rounds_done > j->rounds_judged;
 }
 
 void merge_next_round(struct job *j, int64_t now_ms)
 {
-    assert(merge_wants_judge(j));
-    j->rounds_judged = j->rounds_done;
-    for (uint32_t t = 0; t < j->tile_count; t++)
-        merge_waiting(j, t, now_ms);
+    assert(round_wants_judge(j));
+    next_round(j, now_ms);
+    go_on(j, now_ms);
 }

@@ -8,6 +8,7 @@
 
 #include "common/clock.h"
 #include "server/merge.h"
+#include "server/round.h"
 
 enum {
     SHARE = 50,      /* output takes less than one part in so many of the time */
@@ -28,9 +29,9 @@ static struct writer_task *task_new(const struct server *s, struct job *j, unsig
     t->snapshot.row = j->row;
     t->snapshot.generation = j->row.checkpoint + 1;
     t->snapshot.tile_count = j->tile_count;
-    t->snapshot.merged = arena_malloc(j->tile_count, sizeof *t->snapshot.merged);
-    for (uint32_t i = 0; i < j->tile_count; i++)
-        t->snapshot.merged[i] = j->tiles[i].merged;
+    t->snapshot.rounds_judged = j->rounds_judged;
+    adaptive_copy(&t->snapshot.adaptive, &j->adaptive);
+    t->judge_spp = parts & WRITER_ERROR && round_wants_judge(j) ? round_spp(j) : 0;
     server_job_directory(s, j, t->directory, sizeof t->directory);
     return t;
 }
@@ -61,7 +62,7 @@ static unsigned parts_due(const struct server *s, const struct job *j)
     if (s->stopping)
         return film_behind && !j->film_failed ? WRITER_FILM : 0;
     unsigned parts = 0;
-    if (merge_wants_judge(j) && !j->reached && !merge_is_complete(j))
+    if (round_wants_judge(j) && !j->reached)
         parts |= WRITER_ERROR;
     if (j->rounds_done && j->row.samples != j->image_samples && s->now_ms >= j->next_image_ms)
         parts |= WRITER_IMAGE;
@@ -74,7 +75,8 @@ static void job_turn(struct server *s, struct job *j)
 {
     if (!j->open || j->writing || s->now_ms < j->retry_ms || s->tasks >= MAX_TASKS)
         return;
-    if (!s->stopping && j->row.state == JOB_RUNNING && (merge_is_complete(j) || j->reached)) {
+    const bool last = round_is_last(j) && !round_wants_judge(j);
+    if (!s->stopping && j->row.state == JOB_RUNNING && (last || j->reached)) {
         struct writer_task *t =
             task_new(s, j, WRITER_FILM | WRITER_ERROR | WRITER_IMAGE | WRITER_FINAL);
         film_move(&t->snapshot.film, &j->film);
@@ -184,13 +186,18 @@ static void try_again(struct server *s, struct writer_task *t)
 
 static void judge(struct server *s, struct job *j, const struct writer_task *t)
 {
+    const uint32_t spp = t->judge_spp;
+    if (t->look.blocks)
+        adaptive_add(&j->adaptive, &t->look);
+    j->reached = spp < ADAPTIVE_PILOT_SPP ? t->enough : adaptive_is_due(&j->adaptive, spp);
     j->row.error = t->error;
     j->row.report = t->snapshot.row.report;
+    j->row.report.stopped = adaptive_stopped(&j->adaptive, spp);
     job_touch(j);
-    if (t->enough)
-        j->reached = true;
-    else
+    if (!j->reached) {
         merge_next_round(j, s->now_ms);
+        server_leases_end(s, j, false);
+    }
     s->news = true;
 }
 
@@ -213,7 +220,7 @@ static void note_parts(struct server *s, const struct writer_task *t)
         note_point(s, j, t);
     if (t->parts & (WRITER_FILM | WRITER_IMAGE))
         server_job_save(s, j);
-    if (t->parts & WRITER_ERROR && merge_wants_judge(j) && !s->stopping)
+    if (t->judge_spp && !s->stopping)
         judge(s, j, t);
 }
 

@@ -43,8 +43,13 @@ struct store_report report_make(const struct film *f)
     r.unknown = e.unknown;
     r.heavy = e.heavy;
     r.energy = mean_luminance(f);
+    r.spp_least = UINT32_MAX;
     for (size_t b = 0; b < block_count(f->window); b++) {
-        const double n = max_u32(spp_of(f, b), 1) * pixels;
+        const uint32_t spp = spp_of(f, b);
+        const double n = max_u32(spp, 1) * pixels;
+        r.spp_least = min_u32(r.spp_least, spp);
+        r.spp_most = max_u32(r.spp_most, spp);
+        r.spp_mean += spp * (tile_rect_pixels(block_rect_of(f->window, b)) / pixels);
         r.clamped += f->blocks[b].clamped / n;
         r.cut += f->blocks[b].cut / n;
     }

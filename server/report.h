@@ -1,5 +1,6 @@
 /* report.h - what a film says of itself besides its error: how much of it may be trusted, and what
- * was left out of it. Pure. SPDX-License-Identifier: MIT */
+ * was left out of it. `stopped` is not a film's to know, and is left 0. Pure.
+ * SPDX-License-Identifier: MIT */
 #ifndef SERVER_REPORT_H
 #define SERVER_REPORT_H
 

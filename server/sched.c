@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/round.h"
+
 /* ---- the list of jobs ---- */
 
 static bool goes_before(const struct job *a, const struct job *b)
@@ -80,12 +82,13 @@ static enum decision round_decide(struct job *j, uint32_t pass, int64_t now_ms)
         return DECISION_GO;
     const struct tile_pass range = tile_pass_of(pass, j->row.target.spp);
     const struct tile_pass before = tile_pass_of(pass - 1, j->row.target.spp);
-    const double pixels = (double)j->pixels, merged = (double)j->row.samples;
+    const double pixels = (double)round_pixels(j, pass), owed = (double)round_owed(j, pass);
     const double rate = job_speed(j, now_ms);
-    if (rate <= 0 || merged < pixels * (before.s_begin + before.s_end) / 2)
-        return DECISION_WAIT; /* half of the round before tells how fast we are */
+    /* Half of the round before tells how fast we are. Without a pixel that wants more the job is
+     * about to end. */
+    if (rate <= 0 || owed > pixels * (before.s_end - before.s_begin) / 2 || !(pixels > 0))
+        return DECISION_WAIT;
     const double left_s = j->row.target.seconds - (double)job_elapsed_ms(j, now_ms) / 1000;
-    const double owed = pixels * range.s_begin - merged;
     const double fit = floor((rate * left_s - owed) / pixels);
     if (fit >= range.s_end - range.s_begin) {
         j->rounds_decided = pass + 1;
@@ -121,7 +124,8 @@ static bool find_shunned(struct job *j, uint32_t worker, int64_t now_ms, struct 
 {
     for (uint32_t i = 0; i < j->trouble_count; i++) {
         const struct job_trouble *t = &j->troubles[i];
-        if (job_slot(j, t->tile, t->pass)->state != SLOT_SHUNNED)
+        if (job_slot(j, t->tile, t->pass)->state != SLOT_SHUNNED ||
+            !round_lacks(j, t->tile, t->pass))
             continue;
         bool tried = false;
         for (uint32_t w = 0; w < t->worker_count; w++)
@@ -139,7 +143,8 @@ static bool find_ready(struct job *j, uint32_t limit, struct sched_pick *pick)
     for (; j->cursor_pass < limit; j->cursor_pass++, j->cursor_tile = 0)
         for (; j->cursor_tile < j->tile_count; j->cursor_tile++) {
             const uint32_t tile = j->cursor_tile, pass = j->cursor_pass;
-            if (job_in_window(j, tile, pass) && job_slot(j, tile, pass)->state == SLOT_READY) {
+            if (job_in_window(j, tile, pass) && job_slot(j, tile, pass)->state == SLOT_READY &&
+                round_lacks(j, tile, pass)) {
                 *pick = (struct sched_pick){j, tile, pass};
                 return true;
             }
@@ -193,7 +198,9 @@ void sched_grant(struct job *j, uint32_t tile, uint32_t pass, uint64_t lease)
 {
     struct job_slot *s = job_slot(j, tile, pass);
     assert(s->state == SLOT_READY || s->state == SLOT_SHUNNED);
-    *s = (struct job_slot){.state = SLOT_LEASED, .lease = lease};
+    const struct block_set blocks = round_blocks(j, tile, pass);
+    *s = (struct job_slot){
+        .state = SLOT_LEASED, .lease = lease, .blocks = (uint32_t)block_set_count(&blocks)};
     j->lease_count++;
     j->row.granted++;
     job_touch(j);

@@ -15,6 +15,7 @@
 #include "server/feed.h"
 #include "server/output.h"
 #include "server/problem.h"
+#include "server/round.h"
 
 enum {
     INBOX =
@@ -96,8 +97,20 @@ void server_lease_end(struct server *s, struct lease *l)
     lease_drop(s->leases, l);
 }
 
-static void leases_of_job_end(struct server *s, const struct job *j)
+static bool lease_is_good(const struct lease *l)
 {
+    if (l->tile == JOB_PLAN)
+        return true;
+    if (!job_in_window(l->job, l->tile, l->pass))
+        return false;
+    const struct job_slot *slot = job_slot(l->job, l->tile, l->pass);
+    return slot->state == SLOT_LEASED && slot->lease == l->id;
+}
+
+void server_leases_end(struct server *s, const struct job *j, bool all)
+{
+    if (!j->lease_count)
+        return;
     struct lease **mine = arena_malloc(j->lease_count, sizeof(struct lease *));
     size_t count = 0;
     for (size_t i = 0; i < lease_count(s->leases); i++)
@@ -105,15 +118,15 @@ static void leases_of_job_end(struct server *s, const struct job *j)
             mine[count++] = lease_at(s->leases, i);
     assert(count == j->lease_count);
     for (size_t i = 0; i < count; i++)
-        server_lease_end(s, mine[i]);
+        if (all || !lease_is_good(mine[i]))
+            server_lease_end(s, mine[i]);
     free(mine);
 }
 
 void server_job_end(struct server *s, struct job *j, enum job_state state)
 {
     job_end(j, state, s->now_ms, clock_unix_ms());
-    if (j->lease_count)
-        leases_of_job_end(s, j);
+    server_leases_end(s, j, true);
     sched_remove(&s->sched, j);
     convergence_release(&j->convergence);
     if (j->open)
@@ -153,11 +166,9 @@ static void film_load(struct server *s, struct job *j)
     if (!anew && checkpoint_read(&c, path, &err)) {
         c.row.elapsed_ms = max_i64(c.row.elapsed_ms, j->row.elapsed_ms);
         j->row = c.row;
-        job_open(j, &c.film, c.merged);
-        j->row.spp_done =
-            j->rounds_done ? tile_pass_of(j->rounds_done - 1, j->row.target.spp).s_end : 0;
+        job_open(j, &c.film, &c.adaptive, c.rounds_judged);
+        j->row.spp_done = round_spp(j);
         j->film_samples = j->row.samples;
-        free(c.merged);
         log_info("film job=%016llx recovered samples=%llu", (unsigned long long)j->row.id,
                  (unsigned long long)j->row.samples);
         return;
@@ -169,7 +180,8 @@ static void film_load(struct server *s, struct job *j)
     counters_reset(&j->row);
     film_init(&c.film, j->row.crop);
     film_add_layers(&c.film, j->row.layers);
-    job_open(j, &c.film, NULL);
+    adaptive_init(&c.adaptive, j->row.crop);
+    job_open(j, &c.film, &c.adaptive, 0);
 }
 
 bool server_job_open(struct server *s, struct job *j)

@@ -43,8 +43,8 @@ bool server_open(struct server *, const struct config *, struct err *) MUST_CHEC
 void server_loop(struct server *); /* until MESSAGE_STOP; leaves every film on disk */
 void server_close(struct server *);
 
-/* A job that is done, with a target further on. Its film is kept if it is what the new job would have had
- * there, else it begins anew. ERR_IO: nothing has changed. */
+/* A job that is done, with a target further on. Its film is kept if it is what the new job would
+ * have had there, else it begins anew. ERR_IO: nothing has changed. */
 bool server_job_continue(struct server *, struct job *, const struct scene_target *,
                          struct err *) MUST_CHECK;
 struct job *server_job_find(const struct server *, uint64_t id); /* NULL: none */
@@ -58,6 +58,8 @@ bool server_job_open(struct server *, struct job *);
 void server_job_end(struct server *, struct job *, enum job_state);
 
 void server_lease_end(struct server *, struct lease *); /* the record only, not the slot */
+/* The records of a job: all, or only those of passes that are not theirs any more. */
+void server_leases_end(struct server *, const struct job *, bool all);
 void server_job_directory(const struct server *, const struct job *, char *path, size_t bytes);
 void server_random(void *data, size_t bytes);
 

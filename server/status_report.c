@@ -65,13 +65,14 @@ json_t *status_report_invalid(const struct store_job *row)
 json_t *status_report(const struct store_job *row)
 {
     const struct store_report *r = &row->report;
-    return json_pack("{s:o, s:o, s:f, s:{s:o, s:o}, s:o, s:{s:I, s:I}, s:o}", "error",
-                     error_json(row), "pixels", pixels_json(r), "mean_luminance", r->energy,
-                     "removed", "max_bounces", share_json(r->cut, r->energy), "clamp",
-                     share_json(r->clamped, r->energy), "invalid_samples",
-                     status_report_invalid(row), "triangles_dropped", "degenerate",
-                     (json_int_t)r->dropped.degenerate, "not_finite",
-                     (json_int_t)r->dropped.nonfinite, "work", work_json(&r->work));
+    return json_pack(
+        "{s:o, s:o, s:{s:I, s:f, s:I}, s:f, s:f, s:{s:o, s:o}, s:o, s:{s:I, s:I}, s:o}", "error",
+        error_json(row), "pixels", pixels_json(r), "spp", "least", (json_int_t)r->spp_least, "mean",
+        r->spp_mean, "most", (json_int_t)r->spp_most, "stopped", r->stopped, "mean_luminance",
+        r->energy, "removed", "max_bounces", share_json(r->cut, r->energy), "clamp",
+        share_json(r->clamped, r->energy), "invalid_samples", status_report_invalid(row),
+        "triangles_dropped", "degenerate", (json_int_t)r->dropped.degenerate, "not_finite",
+        (json_int_t)r->dropped.nonfinite, "work", work_json(&r->work));
 }
 
 char *status_report_text(const struct store_job *row)

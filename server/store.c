@@ -56,6 +56,12 @@ static const char *const steps[] = {
     "ALTER TABLE job ADD COLUMN warnings TEXT NOT NULL DEFAULT ''",
     "ALTER TABLE job ADD COLUMN method INTEGER NOT NULL DEFAULT 0",
     "ALTER TABLE job ADD COLUMN stratified INTEGER NOT NULL DEFAULT 0",
+    /* Until here all pixels of a job that is done have equally many. */
+    "ALTER TABLE job ADD COLUMN spp_least INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN spp_most INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN spp_mean REAL NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN stopped REAL NOT NULL DEFAULT 0;"
+    "UPDATE job SET spp_least = spp, spp_most = spp, spp_mean = spp",
 };
 
 #define NAMES                                                                                      \
@@ -65,12 +71,12 @@ static const char *const steps[] = {
     "invalid, image, digest, checkpoint, reason, in_pass, in_tile, has_pass, layers, "             \
     "error_low, error_high, unknown, heavy, energy, clamped, cut, camera_rays, bounce_rays, "      \
     "shadow_rays, plain_vertices, other_vertices, units, degenerate, nonfinite, "                  \
-    "warnings, method, stratified, keys"
+    "warnings, method, stratified, spp_least, spp_most, spp_mean, stopped, keys"
 #define MARKS                                                                                      \
     "?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, "  \
     "?21, ?22, ?23, ?24, ?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, ?33, ?34, ?35, ?36, ?37, ?38, "   \
     "?39, ?40, ?41, ?42, ?43, ?44, ?45, ?46, ?47, ?48, ?49, ?50, ?51, ?52, ?53, ?54, ?55, ?56, "   \
-    "?57"
+    "?57, ?58, ?59, ?60, ?61"
 
 enum column_kind { COLUMN_INT, COLUMN_REAL, COLUMN_TEXT };
 
@@ -139,6 +145,10 @@ static const struct column {
     AT(COLUMN_TEXT, warnings),
     AT(COLUMN_INT, method),
     AT(COLUMN_INT, stratified),
+    AT(COLUMN_INT, report.spp_least),
+    AT(COLUMN_INT, report.spp_most),
+    AT(COLUMN_REAL, report.spp_mean),
+    AT(COLUMN_REAL, report.stopped),
 #undef AT
 };
 

@@ -55,6 +55,9 @@ struct store_report {             /* report.h; of the film that the error is of 
     double clamped, cut;   /* what settings.clamp and max_bounces have taken from that */
     struct film_work work;
     struct film_dropped dropped;
+    uint32_t spp_least, spp_most; /* samples of a pixel */
+    double spp_mean;
+    double stopped; /* share of the pixels that have enough for the error target; 0: without one */
 };
 
 struct store_job {

@@ -66,7 +66,11 @@ static bool write_files(struct writer_task *t, const struct image *image, const 
         .unknown = (float)row->report.unknown,
         .heavy = (float)row->report.heavy,
         .cpu_seconds = (float)((double)row->cpu_us / 1e6),
+        .stopped = (float)row->report.stopped,
+        .spp_mean = (float)row->report.spp_mean,
         .spp = row->spp_done,
+        .spp_least = row->report.spp_least,
+        .spp_most = row->report.spp_most,
     };
     snprintf(path, sizeof path, "%s/image.exr", t->directory);
     const bool good = image_write_exr(
@@ -87,6 +91,15 @@ static bool write_images(struct writer_task *t, const struct image *image)
     return ok;
 }
 
+static void look(struct writer_task *t)
+{
+    const struct film *film = &t->snapshot.film;
+    if (t->judge_spp < ADAPTIVE_PILOT_SPP)
+        t->enough = stop_is_due(film, t->snapshot.row.target.error);
+    if (adaptive_judges(t->judge_spp))
+        t->look = adaptive_look(film, t->judge_spp, &t->snapshot.adaptive, &t->arena);
+}
+
 void writer_run(struct writer_task *t)
 {
     const int64_t begin_ms = clock_ms();
@@ -100,11 +113,13 @@ void writer_run(struct writer_task *t)
     if (t->parts & (WRITER_ERROR | WRITER_IMAGE)) {
         const double e = estimate_error(film);
         t->error = isfinite(e) ? e : -1;
-        const double target = t->snapshot.row.target.error;
-        t->enough = target > 0 && stop_is_due(film, target);
         t->snapshot.row.error = t->error;
         t->snapshot.row.report = report_make(film);
+        t->snapshot.row.report.stopped =
+            adaptive_stopped(&t->snapshot.adaptive, t->snapshot.row.spp_done);
     }
+    if (t->judge_spp)
+        look(t);
     if (t->ok && t->parts & WRITER_IMAGE) {
         struct arena arena = {0};
         const struct image image =
@@ -158,5 +173,6 @@ void writer_stop(struct writer *w)
 void writer_task_free(struct writer_task *t)
 {
     checkpoint_release(&t->snapshot);
+    arena_release(&t->arena);
     free(t);
 }

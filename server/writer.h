@@ -24,11 +24,14 @@ struct writer_task {
     unsigned parts; /* of enum writer_part */
     struct job *job;
     struct checkpoint snapshot;     /* owned */
+    uint32_t judge_spp;             /* of the round to be judged; 0: none is */
     char directory[DISK_PATH - 32]; /* STATE/jobs/ID */
     /* Filled by the writer. */
     bool ok; /* everything asked for is on disk */
     struct err err;
-    bool enough;            /* WRITER_ERROR: the error target is met (stop.h) */
+    bool enough;               /* judge_spp below the pilot's: the error target is met (stop.h) */
+    struct adaptive_look look; /* of a judged round; memory of the arena */
+    struct arena arena;
     double error; /* WRITER_ERROR and WRITER_IMAGE; < 0: unknown. With snapshot.row.report */
     char digest[HASH_HEX]; /* WRITER_IMAGE */
     int64_t took_ms;

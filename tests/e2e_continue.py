@@ -37,31 +37,6 @@ def samples(t):
         t.equal(f.done(odd)["image"]["digest"], want, "and ends with the same bytes")
 
 
-def error(t):
-    """The same for an error target; the second farm is faulty."""
-    with farm.Farm() as f:
-        f.start_server("--tile", "64")
-        f.start_worker()
-        at_once = f.done(f.submit(document(error=.1)))
-    t.ok(at_once["error"] <= .1 and at_once["spp"] >= 16, "a job asked for an error at once", at_once)
-    with farm.Farm() as f:
-        server = f.start_server("--tile", "16", "--checkpoint", "0.1", "--lease-ttl", "2")
-        f.start_worker("--threads", "1")
-        doomed = f.start_worker("--threads", "1")
-        job = f.submit(document(error=.5))
-        first = f.done(job)
-        t.ok(first["spp"] < at_once["spp"], "a laxer target ends earlier", first["spp"], at_once["spp"])
-        t.equal(ask(f, job, error=.1).status, 200, "and goes on to the stricter one")
-        doomed.kill()
-        f.wait_for("more samples", lambda: f.job(job)["samples"] > first["samples"])
-        server.kill()
-        f.start_server("--tile", "16", "--checkpoint", "0.1", "--lease-ttl", "2")
-        last = f.done(job)
-        t.equal((last["image"]["digest"], last["spp"]), (at_once["image"]["digest"], at_once["spp"]),
-                "after kill -9 of a worker and of the coordinator: the bytes of asking at once")
-        t.equal(ask(f, job, error=.2).status, 409, "an error that is met is no target")
-
-
 def refusals(t):
     with farm.Farm() as f:
         f.start_server()
@@ -83,7 +58,6 @@ def refusals(t):
 
 def test(_, t):
     samples(t)
-    error(t)
     refusals(t)
 
 

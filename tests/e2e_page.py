@@ -181,6 +181,15 @@ def check_cancel(page, job):
     page.t.ok(True, "the view says so, and the focus goes to its heading")
 
 
+def check_enough(page):
+    """A job whose pixels stop at different samples."""
+    job = page.farm.done(page.farm.submit(farm.scene("cornell-box.json", 32, 32, error=.12)))
+    spp = job["report"]["spp"]
+    page.b.run(f"location.hash = '#/jobs/{job['id']}'")
+    page.wait("its facts", f"document.querySelector('.job dl')?.innerText.includes('{spp['least']} to {spp['most']}, enough in')")
+    page.t.ok(spp["least"] < spp["most"], "it says that pixels have different samples, and how many have enough", spp)
+
+
 def check_away(page):
     """A coordinator that is gone for a while: said, and over by itself."""
     notice = "document.querySelector('#notice').innerText"
@@ -220,6 +229,7 @@ def test(f, t):
     check_cancel(page, job)
     said = b.console()
     t.ok(not said, "the console has no errors and no warnings", *said)
+    check_enough(page)
     check_away(page)
     check_gone(page)
     b.close()

@@ -28,6 +28,10 @@ static const struct image_facts facts = {
     .error_high = .25f,
     .unknown = .5f,
     .heavy = .25f,
+    .stopped = .375f,
+    .spp_mean = 5.5f,
+    .spp_least = 4,
+    .spp_most = 8,
     .error = .125f,
     .cpu_seconds = 2.5f,
     .spp = 8,
@@ -182,13 +186,18 @@ static void attributes(void)
            !exr_attr_get_float(f, 0, "smalti.cpuSeconds", &cpu) && cpu == 2.5f &&
            !exr_attr_get_int(f, 0, "smalti.spp", &spp) && spp == 8,
        "so are error, CPU seconds and samples");
-    float low = 0, high = 0, untrusted = 0, heavy = 0;
+    float low = 0, high = 0, untrusted = 0, heavy = 0, stopped = 0, mean = 0;
+    int32_t least = 0, most = 0;
     ok(!exr_attr_get_float(f, 0, "smalti.errorLow", &low) && low == .0625f &&
            !exr_attr_get_float(f, 0, "smalti.errorHigh", &high) && high == .25f &&
            !exr_attr_get_float(f, 0, "smalti.untrusted", &untrusted) && untrusted == .75f &&
            !exr_attr_get_float(f, 0, "smalti.heavyTail", &heavy) && heavy == .25f &&
+           !exr_attr_get_float(f, 0, "smalti.stopped", &stopped) && stopped == .375f &&
+           !exr_attr_get_float(f, 0, "smalti.sppMean", &mean) && mean == 5.5f &&
+           !exr_attr_get_int(f, 0, "smalti.sppLeast", &least) && least == 4 &&
+           !exr_attr_get_int(f, 0, "smalti.sppMost", &most) && most == 8 &&
            !exr_attr_get_string(f, 0, "smalti.report", &n, &text) && !strcmp(text, facts.report),
-       "so are the error's interval, what is not trusted, and the report");
+       "so are the error's interval, what is not trusted, what has stopped, and the report");
     exr_finish(&f);
     arena_release(&arena);
 }

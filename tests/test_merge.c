@@ -5,6 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/stop.h"
+#include "server/round.h"
+#include "server/sched.h"
 #include "tests/fake_job.h"
 #include "tests/tap.h"
 
@@ -46,7 +49,7 @@ static void any_order(const struct job *want, unsigned seed)
     struct job *j = fake_job_open(WIDTH, HEIGHT, to_128);
     srand(seed);
     uint64_t twice = 0, unwanted = 0;
-    for (int i = 0; i < 100000 && !merge_is_complete(j); i++) {
+    for (int i = 0; i < 100000 && !round_is_last(j); i++) {
         const uint32_t tile = (uint32_t)rand() % j->tile_count;
         const uint32_t pass = (uint32_t)rand() % job_passes(j);
         const bool known =
@@ -59,13 +62,16 @@ static void any_order(const struct job *want, unsigned seed)
         case MERGE_UNWANTED:
             unwanted++;
             break;
+        case MERGE_STALE:
+            twice++; /* never */
+            break;
         case MERGE_MERGED:
         case MERGE_HELD:
             twice -= known; /* never */
             break;
         }
     }
-    ok(merge_is_complete(j) && film_equal(&j->film, &want->film),
+    ok(round_is_last(j) && film_equal(&j->film, &want->film),
        "seed %u: the same film to the last bit in any order", seed);
     ok(j->row.duplicates == twice && twice > 0, "%llu duplicates change nothing",
        (unsigned long long)twice);
@@ -135,8 +141,11 @@ static void contradictions(void)
     w.samples.pass.s_end--;
     refuse(j, w, ERR_PROTOCOL, "fewer samples");
     w = good;
-    w.samples.partial = true;
-    refuse(j, w, ERR_PROTOCOL, "not all of the tile");
+    w.samples.partial = true; /* of no block at all */
+    w.tile = 3;
+    w.pass = 0;
+    w.samples.pass = (struct tile_pass){0, 8};
+    refuse(j, w, ERR_PROTOCOL, "not all that the pass lacks");
     j->row.settled = true;
     j->row.target.spp = 40;
     struct job *whole = fake_job_open(WIDTH, HEIGHT, to_128);
@@ -156,19 +165,24 @@ static void undecided(void)
     job_free(j);
 }
 
+/* As from a checkpoint. */
+static void reopen(struct job *j, uint32_t rounds_judged)
+{
+    struct film film = j->film;
+    struct adaptive records = j->adaptive;
+    j->film = (struct film){0};
+    j->adaptive = (struct adaptive){0};
+    job_close(j);
+    job_open(j, &film, &records, rounds_judged);
+}
+
 static void reopened(void)
 {
     struct job *want = in_order(), *j = fake_job_open(WIDTH, HEIGHT, to_128);
     for (uint32_t t = 0; t < 5; t++)
         for (uint32_t p = 0; p < 1 + t % 3; p++)
             give(j, t, p);
-    uint32_t merged[9];
-    for (uint32_t t = 0; t < j->tile_count; t++)
-        merged[t] = j->tiles[t].merged;
-    struct film film = j->film;
-    j->film = (struct film){0};
-    job_close(j);
-    job_open(j, &film, merged);
+    reopen(j, 0);
     ok(give(j, 1, 1) == MERGE_DUPLICATE, "after reopening, what was merged still is");
     for (uint32_t p = 0; p < job_passes(j); p++)
         for (uint32_t t = 0; t < j->tile_count; t++)
@@ -176,6 +190,208 @@ static void reopened(void)
     ok(film_equal(&j->film, &want->film), "and the film ends the same");
     job_free(j);
     job_free(want);
+}
+
+/* ---- jobs with an error target ---- */
+
+enum { BUSY_W = 56, BUSY_H = 44 };
+
+static struct job *busy(uint32_t tile_px, double error)
+{
+    const struct scene_target target = {.spp = SCENE_MAX_SPP, .error = error};
+    struct store_job row = fake_job_row(BUSY_W, BUSY_H, target);
+    row.id = 4711;
+    row.tile_px = tile_px;
+    return fake_job_of(&row);
+}
+
+static enum merge_result give_busy(struct job *j, uint32_t tile, uint32_t pass)
+{
+    struct arena arena = {0};
+    const struct wire_samples w = fake_job_payload(j, tile, pass, 2, &arena);
+    struct err err = {.text = ""};
+    const bool fine = merge_check(j, &w, &err);
+    const enum merge_result r = fine ? merge_deliver(j, &w, 0) : MERGE_UNWANTED;
+    if (!fine)
+        diag("%s", err.text);
+    arena_release(&arena);
+    return r;
+}
+
+/* As output.c does, by the same functions. True: it is good enough. */
+static bool judge(struct job *j)
+{
+    struct arena arena = {0};
+    const uint32_t spp = round_spp(j);
+    bool due = spp < ADAPTIVE_PILOT_SPP && stop_is_due(&j->film, j->row.target.error);
+    if (adaptive_judges(spp)) {
+        const struct adaptive_look look = adaptive_look(&j->film, spp, &j->adaptive, &arena);
+        adaptive_add(&j->adaptive, &look);
+        due |= adaptive_is_due(&j->adaptive, spp);
+    }
+    if (!due)
+        merge_next_round(j, 0);
+    arena_release(&arena);
+    return due;
+}
+
+/* Passes come in any order, early ones too; now and then the job is closed and opened again. */
+static void run_busy(struct job *j, unsigned seed)
+{
+    srand(seed);
+    for (bool due = false; !due;) {
+        const uint32_t tile = (uint32_t)rand() % j->tile_count;
+        const uint32_t pass = j->rounds_done + (uint32_t)rand() % 2;
+        if (pass >= j->tiles[tile].merged && round_lacks(j, tile, pass))
+            give_busy(j, tile, pass);
+        if (round_wants_judge(j))
+            due = judge(j);
+        if (!due && rand() % 100 == 0)
+            reopen(j, j->rounds_judged);
+    }
+}
+
+static void spp_of(const struct job *j, uint32_t *least, uint32_t *most, uint64_t *sum)
+{
+    *least = UINT32_MAX;
+    *most = 0;
+    *sum = 0;
+    for (size_t i = 0; i < j->pixels; i++) {
+        *least = min_u32(*least, j->film.spp[i]);
+        *most = max_u32(*most, j->film.spp[i]);
+        *sum += j->film.spp[i];
+    }
+}
+
+static void blocks_stop(void)
+{
+    struct job *want = busy(16, .003);
+    uint32_t least, most;
+    uint64_t sum;
+    run_busy(want, 1);
+    spp_of(want, &least, &most, &sum);
+    ok(least >= 32 && least < most, "an error target: pixels end with %u to %u samples", least,
+       most);
+    ok(want->row.samples == sum && want->row.spp_done == most, "all of them counted");
+    static const uint32_t sides[] = {8, 16, 24, 64};
+    for (unsigned i = 0; i < 8; i++) {
+        struct job *j = busy(sides[i % 4], .003);
+        run_busy(j, 100 + i);
+        ok(film_equal(&j->film, &want->film) && j->row.samples == sum,
+           "tiles of %u px, order %u: the same film", sides[i % 4], i);
+        job_free(j);
+    }
+    job_free(want);
+}
+
+/* Done, and then asked for less error or for more samples. */
+static void goes_on(void)
+{
+    struct job *j = busy(24, .02), *want = busy(16, .001);
+    static const double targets[] = {.02, .004, .001};
+    uint32_t least, most, first = 0;
+    uint64_t sum;
+    run_busy(want, 5);
+    for (unsigned i = 0; i < countof(targets); i++) {
+        j->row.target.error = targets[i];
+        reopen(j, j->rounds_judged);
+        run_busy(j, 7 + i);
+        spp_of(j, &least, &most, &sum);
+        first = i == 1 ? least : first;
+    }
+    ok(first < least && film_equal(&j->film, &want->film),
+       "an error of .02, then .004, then .001: the film of .001 at once; what had stopped at %u "
+       "goes on",
+       first);
+    j->row.target = (struct scene_target){.spp = 2 * most};
+    reopen(j, j->rounds_judged);
+    ok(j->rounds_done == tile_pass_count(least), "samples for all: rounds begin again at %u",
+       least);
+    struct store_job row = j->row;
+    struct job *all = fake_job_of(&row);
+    for (uint32_t p = 0; p < job_passes(j); p++)
+        for (uint32_t t = 0; t < j->tile_count; t++) {
+            if (p >= j->tiles[t].merged)
+                give_busy(j, t, p);
+            give_busy(all, t, p);
+        }
+    ok(round_is_last(j) && film_equal(&j->film, &all->film),
+       "and it ends as one of so many samples");
+    job_free(all);
+    job_free(j);
+    job_free(want);
+}
+
+/* To the first round after which tile 0 has lost a block, and not the others: *before is what its
+ * next pass was of. */
+static struct job *until_one_stops(struct block_set *before)
+{
+    struct job *j = busy(64, .01);
+    for (uint32_t pass = 0;; pass++) {
+        give_busy(j, 0, pass);
+        *before = round_blocks(j, 0, pass + 1);
+        if (!round_wants_judge(j) || judge(j))
+            return j;
+        const struct block_set now = round_blocks(j, 0, pass + 1);
+        if (!block_set_equal(&now, before))
+            return j;
+    }
+}
+
+static void what_is_too_much(void)
+{
+    struct arena arena = {0};
+    struct block_set before, now;
+    struct err err = {.text = ""};
+    struct job *j = until_one_stops(&before);
+    const uint32_t pass = j->rounds_done;
+    now = round_blocks(j, 0, pass);
+    ok(block_set_count(&now) > 0 && block_set_count(&now) < block_set_count(&before),
+       "%zu of %zu blocks go on after %u samples", block_set_count(&now), block_set_count(&before),
+       j->row.spp_done);
+    struct wire_samples w = fake_job_payload(j, 0, pass, 2, &arena);
+    ok(w.samples.partial && merge_check(j, &w, &err), "a payload of them is taken %s", err.text);
+    struct block_set less = now;
+    for (size_t i = 0; block_set_equal(&less, &now); i++)
+        less.bits[i / 64] &= ~(UINT64_C(1) << i % 64);
+    film_samples_restrict(&w.samples, &less);
+    refuse(j, w, ERR_PROTOCOL, "one block less");
+    film_samples_restrict(&w.samples, &before);
+    const uint64_t samples = j->row.samples;
+    ok(merge_check(j, &w, &err) && merge_deliver(j, &w, 0) == MERGE_STALE &&
+           j->row.samples == samples && job_slot(j, 0, pass)->state == SLOT_READY,
+       "one of those that it was before is stale, and changes nothing");
+    film_samples_restrict(&w.samples, &now);
+    ok(merge_deliver(j, &w, 0) == MERGE_MERGED, "then the right one is merged");
+    j->reached = true;
+    ok(give_busy(j, 0, pass + 1) == MERGE_UNWANTED, "nothing is wanted of a job that has enough");
+    job_free(j);
+    arena_release(&arena);
+}
+
+/* What is leased and held ahead of a judgement that takes blocks away. */
+static void ahead_of_a_judgement(bool held)
+{
+    struct block_set before;
+    struct job *probe = until_one_stops(&before), *j = busy(64, .01);
+    const uint32_t last = probe->rounds_done - 1;
+    for (uint32_t pass = 0; pass < last; pass++) {
+        give_busy(j, 0, pass);
+        judge(j);
+    }
+    give_busy(j, 0, last);
+    if (held)
+        ok(give_busy(j, 0, last + 1) == MERGE_HELD && j->held_bytes > 0, "an early pass is held");
+    else
+        sched_grant(j, 0, last + 1, 99);
+    judge(j);
+    ok(job_slot(j, 0, last + 1)->state == SLOT_READY && j->held_bytes == 0,
+       "what was %s for blocks that have stopped is free again", held ? "held" : "leased");
+    give_busy(probe, 0, last + 1);
+    ok(give_busy(j, 0, last + 1) == MERGE_MERGED && film_equal(&j->film, &probe->film),
+       "and comes without them");
+    job_free(probe);
+    job_free(j);
 }
 
 int main(void)
@@ -188,5 +404,10 @@ int main(void)
     contradictions();
     undecided();
     reopened();
+    blocks_stop();
+    goes_on();
+    what_is_too_much();
+    ahead_of_a_judgement(true);
+    ahead_of_a_judgement(false);
     return tap_done();
 }

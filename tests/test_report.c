@@ -132,7 +132,11 @@ static void says_it_in_json(void)
                                              .clamped = 1,
                                              .cut = 0,
                                              .work = {1, 2, 3, 4, 5, 6},
-                                             .dropped = {6, 7}},
+                                             .dropped = {6, 7},
+                                             .spp_least = 16,
+                                             .spp_most = 64,
+                                             .spp_mean = 20.5,
+                                             .stopped = .75},
                                   .invalid_count = 1,
                                   .key_count = 1,
                                   .keys = {{8, 9, 10}}};
@@ -140,8 +144,8 @@ static void says_it_in_json(void)
     static const char want[] =
         "{\"error\":{\"estimate\":0.125,\"interval\":[0.10000000000000001,0.14999999999999999],"
         "\"coverage\":\"untrusted\"},\"pixels\":{\"trusted\":0.25,\"unknown\":0.25,"
-        "\"heavy_tail\":0.5},\"mean_luminance\":3.0,\"removed\":{\"max_bounces\":{\"luminance\":0."
-        "0,"
+        "\"heavy_tail\":0.5},\"spp\":{\"least\":16,\"mean\":20.5,\"most\":64},\"stopped\":0.75,"
+        "\"mean_luminance\":3.0,\"removed\":{\"max_bounces\":{\"luminance\":0.0,"
         "\"share\":0.0},\"clamp\":{\"luminance\":1.0,\"share\":0.25}},\"invalid_samples\":{"
         "\"count\":1,"
         "\"keys\":[[8,9,10]]},\"triangles_dropped\":{\"degenerate\":6,\"not_finite\":7},\"work\":{"

@@ -3,6 +3,7 @@
 #include "server/sched.h"
 
 #include "server/merge.h"
+#include "server/round.h"
 #include "tests/fake_job.h"
 #include "tests/tap.h"
 
@@ -196,7 +197,7 @@ static void error_rounds(void)
     ok(n == 4 && last == 1, "an error target: one round and a guess at the next");
     deliver((struct sched_pick){j, 0, 0}, 1, 1);
     deliver((struct sched_pick){j, 1, 0}, 1, 1);
-    ok(merge_wants_judge(j), "a complete round is to be judged");
+    ok(round_wants_judge(j), "a complete round is to be judged");
     deliver((struct sched_pick){j, 0, 1}, 1, 1);
     ok(j->film.spp[0] == 8, "nothing of the next one is merged before");
     merge_next_round(j, 2);
@@ -234,9 +235,50 @@ static void seconds(void)
        "a seconds target settles before the round that would not fit");
     ok(j->row.target.spp > 600 && j->row.target.spp <= 800 && j->row.target.spp % 8 == 0,
        "on what the rate allows, a multiple of 8: %u", j->row.target.spp);
-    ok(run(&s, j, &now, 50) == SCHED_NOTHING && merge_is_complete(j), "then it runs to that count");
+    ok(run(&s, j, &now, 50) == SCHED_NOTHING && round_is_last(j), "then it runs to that count");
     ok(now - 1000 <= 10000 && now - 1000 > 8000, "in the time it was given: %lld ms",
        (long long)(now - 1000));
+    sched_release(&s);
+    job_free(j);
+}
+
+/* With an error target, too: what has stopped takes no time. */
+static void seconds_and_error(void)
+{
+    struct job *j =
+        fake_job_open(32, 16, (struct scene_target){.spp = 4096, .error = .001, .seconds = 10});
+    struct sched s = with(j);
+    struct sched_pick p;
+    struct arena arena = {0};
+    int64_t now = 1000;
+    uint64_t samples = 0;
+    enum sched_result r = SCHED_NOTHING;
+    while (r != SCHED_SETTLE && now < 20000) {
+        while ((r = sched_next(&s, 1, now, &p)) == SCHED_PASS) {
+            const struct block_set blocks = round_blocks(j, p.tile, p.pass);
+            const struct tile_pass range = tile_pass_of(p.pass, j->row.target.spp);
+            sched_grant(j, p.tile, p.pass, 1);
+            if (j->row.state == JOB_QUEUED)
+                job_start(j, now, 1);
+            now += range.s_end - range.s_begin; /* a tile is one block: 64 samples per ms */
+            samples += (range.s_end - range.s_begin) *
+                       (uint64_t)block_set_pixels(&blocks, tile_rect_of(&j->grid, p.tile));
+            deliver(p, 1, now);
+        }
+        if (!round_wants_judge(j))
+            break;
+        if (adaptive_judges(round_spp(j))) {
+            const struct adaptive_look look =
+                adaptive_look(&j->film, round_spp(j), &j->adaptive, &arena);
+            adaptive_add(&j->adaptive, &look);
+        }
+        merge_next_round(j, now);
+    }
+    ok(r == SCHED_SETTLE && adaptive_stopped(&j->adaptive, j->row.spp_done) > .4,
+       "error and seconds: it settles when half has stopped, on %u", j->row.target.spp);
+    ok(j->row.target.spp * (int64_t)j->pixels > 64 * 10000 && samples <= 64 * 10000,
+       "on more than all pixels could have had in that time");
+    arena_release(&arena);
     sched_release(&s);
     job_free(j);
 }
@@ -246,7 +288,7 @@ static void seconds_too_few(void)
     struct job *j = fake_job_open(16, 8, (struct scene_target){.spp = 1 << 20, .seconds = .001});
     struct sched s = with(j);
     int64_t now = 1000;
-    ok(run(&s, j, &now, 500) == SCHED_SETTLE && j->row.target.spp == 8 && merge_is_complete(j),
+    ok(run(&s, j, &now, 500) == SCHED_SETTLE && j->row.target.spp == 8 && round_is_last(j),
        "the first pass is always done");
     sched_release(&s);
     job_free(j);
@@ -264,7 +306,7 @@ static void seconds_without_workers(void)
             deliver(p, 1, now);
         }
     ok(!sched_time_is_up(j, 10000) && !j->row.settled, "a job that nobody asks for has its time");
-    ok(sched_time_is_up(j, 11001) && j->row.target.spp == 8 && merge_is_complete(j),
+    ok(sched_time_is_up(j, 11001) && j->row.target.spp == 8 && round_is_last(j),
        "when it is over, what is complete is the image");
     ok(!sched_time_is_up(j, 12000), "once");
     sched_release(&s);
@@ -284,13 +326,14 @@ static void seconds_after_restart(void)
             job_start(j, now, 1);
         deliver(p, 1, now += 100);
     }
-    const uint32_t merged[] = {2, 1};
     struct film film = j->film;
+    struct adaptive none = j->adaptive;
     j->film = (struct film){0};
+    j->adaptive = (struct adaptive){0};
     job_clock(j, now);
     job_close(j);
     j->rate = (struct rate){0};
-    job_open(j, &film, merged);
+    job_open(j, &film, &none, 0);
     ok(take(&s, 1, now, &p) && p.tile == 1 && p.pass == 1,
        "a round that has begun is not judged anew");
     ok(!take(&s, 1, now, &p), "the next one waits until it is known how fast we are");
@@ -327,6 +370,7 @@ int main(void)
     plans();
     error_rounds();
     seconds();
+    seconds_and_error();
     seconds_too_few();
     seconds_without_workers();
     seconds_after_restart();

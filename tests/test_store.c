@@ -72,7 +72,8 @@ static struct store_job full_row(void)
     row.keys[1] = (struct film_key){4, 5, 6};
     row.image_version = 11;
     row.stratified = true;
-    row.report = (struct store_report){.1, .2, .3, .4, .5, .6, .7, {1, 2, 3, 4, 5, 6}, {6, 7}};
+    row.report =
+        (struct store_report){.1, .2, .3, .4, .5, .6, .7, {1, 2, 3, 4, 5, 6}, {6, 7}, 8, 9, .8, .9};
     hash_hex("x", 1, row.digest);
     row.checkpoint = 12;
     row.failure = (struct store_failure){.has_pass = true, .tile = 3, .pass = 2};
@@ -160,6 +161,10 @@ static void former_version(void)
                         "ALTER TABLE job DROP COLUMN warnings;"
                         "ALTER TABLE job DROP COLUMN method;"
                         "ALTER TABLE job DROP COLUMN stratified;"
+                        "ALTER TABLE job DROP COLUMN spp_least;"
+                        "ALTER TABLE job DROP COLUMN spp_most;"
+                        "ALTER TABLE job DROP COLUMN spp_mean;"
+                        "ALTER TABLE job DROP COLUMN stopped;"
                         "DROP TABLE point; ALTER TABLE job DROP COLUMN layers; UPDATE job SET "
                         "tile_px = 33; PRAGMA "
                         "user_version = 1",
@@ -171,6 +176,8 @@ static void former_version(void)
     row.layers = row.method = 0;
     row.tile_px = 40;
     row.report = report_none();
+    row.report.spp_least = row.report.spp_most = row.spp_done;
+    row.report.spp_mean = row.spp_done;
     *row.warnings = '\0';
     row.stratified = false;
     ok(s && store_jobs(s, note, &seen, &err) && seen.count == 1 && rows_equal(&seen.jobs[0], &row),
@@ -204,6 +211,26 @@ static struct checkpoint expect(const struct store_job *row)
     return (struct checkpoint){.row = *row, .tile_count = TILES};
 }
 
+/* Of two judged rounds. */
+static void records_make(struct checkpoint *c)
+{
+    c->rounds_judged = 2;
+    adaptive_init(&c->adaptive, c->row.crop);
+    adaptive_resize(&c->adaptive, 2);
+    c->adaptive.least = .0123;
+    c->adaptive.spp[0] = 16;
+    c->adaptive.spp[1] = 32;
+    for (size_t i = 0; i < 2 * c->adaptive.count; i++)
+        c->adaptive.blocks[i] = (struct adaptive_block){(float)i / 7, (float)i - 5};
+}
+
+static bool records_equal(const struct adaptive *a, const struct adaptive *b)
+{
+    return a->count == b->count && a->rounds == b->rounds && a->least == b->least &&
+           !memcmp(a->spp, b->spp, a->rounds * sizeof *a->spp) &&
+           !memcmp(a->blocks, b->blocks, a->rounds * a->count * sizeof *a->blocks);
+}
+
 static struct checkpoint made(uint32_t layers)
 {
     struct arena arena = {0};
@@ -212,7 +239,7 @@ static struct checkpoint made(uint32_t layers)
     film_init(&c.film, j->row.crop);
     film_add_layers(&c.film, layers);
     c.row.layers = layers;
-    c.merged = arena_malloc(TILES, sizeof *c.merged);
+    records_make(&c);
     for (uint32_t t = 0; t < TILES; t++)
         for (uint32_t p = 0; p < t % 4; p++) {
             struct wire_samples w = fake_job_payload(j, t, p, .3f, &arena);
@@ -222,7 +249,6 @@ static struct checkpoint made(uint32_t layers)
                 w.samples.layer_sums[i] = (float)i - 7;
             film_samples_note_invalid(&w.samples, (struct film_key){w.samples.rect.x_begin, t, p});
             film_merge(&c.film, &w.samples);
-            c.merged[t]++;
         }
     c.row.samples = 4711;
     c.row.passes_done = 12;
@@ -250,7 +276,7 @@ static void films(uint32_t layers)
            !memcmp(back.film.replicate, c.film.replicate,
                    pixels * FILM_CHANNELS * sizeof *c.film.replicate) &&
            !memcmp(back.film.spp, c.film.spp, pixels * sizeof *c.film.spp) &&
-           !memcmp(back.merged, c.merged, sizeof *c.merged * TILES) &&
+           back.rounds_judged == c.rounds_judged && records_equal(&back.adaptive, &c.adaptive) &&
            (!layers || !memcmp(back.film.layer, c.film.layer,
                                pixels * layers_channels(layers) * sizeof *c.film.layer)),
        "bit for bit%s", layers ? ", with its layers" : "");
@@ -292,6 +318,45 @@ static void put(const char *path, const struct buf *bytes, size_t n)
     FILE *f = fopen(path, "wb");
     fwrite(bytes->data, 1, n, f);
     fclose(f);
+}
+
+/* The same film as version 3 wrote it: with passes per tile, without records. */
+static void former_film(void)
+{
+    struct err err = {.text = ""};
+    struct buf new = {0}, old = {0};
+    struct checkpoint c = made(0);
+    const size_t head = 96 + 12 * c.film.key_count + sizeof c.film.work + sizeof c.film.dropped;
+    const size_t records = 8 + 8 + 2 * 4 + 2 * 8 * c.adaptive.count;
+    const uint32_t version = 3;
+    char hex[HASH_HEX];
+    if (!ok(checkpoint_write(&c, path_of("film"), &err) &&
+                buf_read_file(&new, path_of("film"), 1 << 24, &err),
+            "a film to be made old %s", err.text))
+        return;
+    buf_append(&old, new.data, head);
+    memcpy(old.data + 8, &version, sizeof version);
+    for (uint32_t t = 0; t < TILES; t++)
+        buf_u32(&old, t % 4);
+    buf_append(&old, new.data + head, new.size - head - records - 64);
+    hash_hex(old.data, old.size, hex);
+    buf_append(&old, hex, 64);
+    put(path_of("film"), &old, old.size);
+    struct checkpoint back = expect(&c.row);
+    if (ok(checkpoint_read(&back, path_of("film"), &err), "a film of version 3 is read %s",
+           err.text)) {
+        ok(!memcmp(back.film.spp, c.film.spp, WIDTH * HEIGHT * sizeof *c.film.spp) &&
+               back.adaptive.rounds == 0 && back.rounds_judged == 0,
+           "with its samples, and nothing of rounds");
+        checkpoint_release(&back);
+    }
+    back = expect(&c.row);
+    back.row.target.error = .1;
+    ok(!checkpoint_read(&back, path_of("film"), &err) && err.code == ERR_INPUT,
+       "but not for a job with an error target: %s", err.text);
+    buf_release(&new);
+    buf_release(&old);
+    checkpoint_release(&c);
 }
 
 static void broken_films(void)
@@ -404,6 +469,7 @@ int main(void)
     damaged();
     films(0);
     films(LAYER_POSITION | 2 << 8);
+    former_film();
     broken_films();
     files();
     full_disk();

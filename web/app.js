@@ -62,14 +62,12 @@ function trustText(pixels) { // of the error bars
 const date = (ms) => new Date(ms).toLocaleString("en-GB", { dateStyle: "medium", timeStyle: "short" });
 const title = (job) => job.title || `Job ${job.id}`;
 
-function targetText(target) {
-    const parts = [];
-    if (target.error !== null)
-        parts.push(`error\u00a0${Number((100 * target.error).toPrecision(4))}\u00a0%`);
-    if (target.spp !== null)
-        parts.push(`${target.spp}\u00a0spp`);
-    if (target.seconds !== null)
-        parts.push(duration(target.seconds));
+function targetText({ error, spp, seconds }) {
+    const parts = [`${spp}\u00a0spp`];
+    if (error !== null)
+        parts.unshift(`error\u00a0${Number((100 * error).toPrecision(4))}\u00a0%`);
+    if (seconds !== null)
+        parts.push(duration(seconds));
     return parts.join(" or ");
 }
 
@@ -272,10 +270,11 @@ function methodRows(job, plan) { // plan: of a job with "auto", once it is there
 
 function jobFacts(job, plan) {
     const passes = job.tile_passes, leases = job.leases, bad = job.invalid_samples;
+    const { pixels, spp, stopped, removed, triangles_dropped: dropped } = job.report;
     const rows = [
         ["Error (95\u00a0% interval)", errorText(job)],
-        ["Error bars hold for", trustText(job.report.pixels)],
-        ["Samples per pixel", job.target.spp === null ? String(job.spp) : `${job.spp} of ${job.target.spp}`],
+        ["Error bars hold for", trustText(pixels)],
+        ["Samples per pixel", stopped ? `${spp.least} to ${spp.most}, enough in ${percent(stopped)} of the pixels` : `${job.spp} of ${job.target.spp}`],
         ["Samples", big(job.samples)],
         ["Rate", job.samples_per_second === null ? "–" : `${big(job.samples_per_second)}\u00a0samples/s`],
         ["Workers on it", String(job.workers)],
@@ -289,7 +288,6 @@ function jobFacts(job, plan) {
     if (bad.count)
         rows.push(["Invalid samples", `${bad.count}, the first at ${bad.keys.slice(0, 3)
             .map(([x, y, sample]) => `(${x}, ${y}) sample ${sample}`).join(", ")}`]);
-    const removed = job.report.removed, dropped = job.report.triangles_dropped;
     for (const [name, what] of [["Light cut by max_bounces", removed.max_bounces], ["Light taken by clamp", removed.clamp]])
         if (what.share >= 0.0005)
             rows.push([name, percent(what.share)]);
