@@ -200,8 +200,12 @@ static void judge_regions(const struct film *f, struct evidence *e, struct arena
 struct evidence evidence_make(const struct film *f, struct arena *arena)
 {
     const size_t count = block_count(f->window);
-    struct evidence e = {block_columns(f->window), block_rows(f->window),
-                         arena_new(arena, struct evidence_block, count), 0, 0, 0};
+    struct evidence e = {block_columns(f->window),
+                         block_rows(f->window),
+                         arena_new(arena, struct evidence_block, count),
+                         0,
+                         0,
+                         0};
     for (size_t i = 0; i < count; i++)
         e.blocks[i] = judge(f, i);
     judge_regions(f, &e, arena);
