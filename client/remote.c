@@ -205,6 +205,36 @@ bool remote_cancel(struct remote *r, const char *id, struct remote_job *job, str
     return remote_look(r, id, etag, &changed, job, NULL, err);
 }
 
+static char *target_text(const struct remote_target *t)
+{
+    json_t *target = json_object();
+    if (t->error > 0)
+        json_object_set_new(target, "error", json_real(t->error));
+    if (t->spp)
+        json_object_set_new(target, "spp", json_integer(t->spp));
+    json_t *root = json_pack("{s:o}", "target", target);
+    char *text = json_dumps(root, JSON_COMPACT);
+    json_decref(root);
+    return text;
+}
+
+bool remote_continue(struct remote *r, const char *id, const struct remote_target *target,
+                     struct err *err)
+{
+    char path[64], *text = target_text(target);
+    snprintf(path, sizeof path, "/v1/jobs/%s", id);
+    struct http_client_request request = simple("PATCH", path);
+    request.content_type = "application/json";
+    request.body = text;
+    request.body_bytes = strlen(text);
+    struct http_client_reply reply;
+    const bool good = call(r, request, &reply, err);
+    if (good)
+        buf_release(&reply.body);
+    free(text);
+    return good;
+}
+
 bool remote_look(struct remote *r, const char *id, char etag[80], bool *changed,
                  struct remote_job *job, struct buf *json, struct err *err)
 {
