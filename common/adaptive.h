@@ -16,13 +16,15 @@
  *
  *       mean over pixels of (content ? t : max(g, t)) <= target^2
  *
- *   and the image has 256 effective samples. Rounds before the pilot's are stop.h's.
+ *   and the image has 256 effective samples. In a round before it, if the mean of g is at most
+ *   target^2, and each block has evidence.
  *
- * g = max(e^2, high^2 / 1.2^2), of the block; e^2 is the mean over its pixels and channels of s^2 /
+ * g = max(e^2, high^2 / 1.1^2), of the block; e^2 is the mean over its pixels and channels of s^2 /
  * (y^2 + least^2), as in estimate.h, so that the mean of all blocks is the square of the job's
  * error, and high the upper end of its 95 % interval. `least` is the pilot's film's.
  *
- * t = target^2 min(1, d / mean of d), d the block's root of g in the pilot's round. The least work
+ * t = target^2 min(1, d / mean of d), d the root of the mean of g over the block and its neighbours
+ * in the pilot's round (64 pixels by themselves are too few to say it well). The least work
  * for a given sum of squared errors takes samples in proportion to d (J. Neyman, "On the Two
  * Different Aspects of the Representative Method", J. Royal Statistical Society 97(4), 1934), which
  * leaves squared errors in proportion to d: quiet blocks go on below the target, since they become
@@ -32,7 +34,7 @@
  * Evidence: `need` effective samples (block.h), and no heavy tail: in the pilot's round by all of
  * evidence.h, which is kept for good, later by what it says of the block alone, which can be
  * outgrown. need = 32, or 256 shared by the blocks that have light in the pilot where those are
- * few. Black is fine if no camera ray has met anything, or after STOP_DARK_SPP samples. That
+ * few. Black is fine if no camera ray has met anything, or after ADAPTIVE_DARK_SPP samples. That
  * decisions are made by many samples together and not by single pixels is what keeps them from
  * making the image darker (D. Kirk, J. Arvo, "Unbiased Sampling Techniques for Image Synthesis",
  * SIGGRAPH 1991).
@@ -54,8 +56,10 @@
 #include "common/film.h"
 
 enum {
-    ADAPTIVE_FIRST_SPP = 16, /* of the first judged round */
-    ADAPTIVE_PILOT_SPP = 32, /* from which on blocks stop and the job may be due */
+    ADAPTIVE_FIRST_SPP = 8,  /* of the first judged round */
+    ADAPTIVE_PILOT_SPP = 32, /* from which on blocks stop */
+    ADAPTIVE_LEAST_NEFF = 256,
+    ADAPTIVE_DARK_SPP = 4096,
     ADAPTIVE_MAX_ROUNDS = 128,
     ADAPTIVE_NEVER = 255, /* a round that has not come */
 };
@@ -76,7 +80,10 @@ struct adaptive {
     uint32_t spp[ADAPTIVE_MAX_ROUNDS]; /* of each, rising */
     struct adaptive_block *blocks;     /* [round][block]; heap */
 
-    /* What follows from it for the target. */
+    /* What follows from it, */
+    double need;  /* effective samples; 0 before the pilot */
+    float *share; /* [block]: t / target^2; heap */
+    /* and for the target. */
     double target;    /* 0: none, nothing ever stops */
     uint8_t *content; /* [block]: index of the round since when it is; or ADAPTIVE_NEVER; heap */
     uint8_t *stop;    /* [block]: the same, of its last samples; heap */
@@ -89,9 +96,9 @@ void adaptive_aim(struct adaptive *, double target); /* any time; >= 0 */
 
 /* ---- rounds ---- */
 
-/* Is the round that ends with so many samples per pixel judged? 16, 32, 64, 128; 256 and so on by
- * 256 to 4096; then eight in each doubling. All are ends of passes (tile.h) of a job without a cap:
- * the shortened last pass of a capped job is judged only if it happens to end there. */
+/* Is the round that ends with so many samples per pixel judged? 8, 16, 32, 64, 128; 256 and so on
+ * by 256 to 4096; then eight in each doubling. All are ends of passes (tile.h) of a job without a
+ * cap: the shortened last pass of a capped job is judged only if it happens to end there. */
 bool adaptive_judges(uint32_t spp);
 
 struct adaptive_look {
@@ -112,8 +119,7 @@ void adaptive_add(struct adaptive *, const struct adaptive_look *);
 
 /* ---- decisions, for the target, from the judged rounds so far ---- */
 
-/* Does the job end with this judged round, which has been written down? Never before the pilot,
- * and never without a target. */
+/* Does the job end with this judged round, which has been written down? Never without a target. */
 bool adaptive_is_due(const struct adaptive *, uint32_t spp);
 
 /* The blocks of the rectangle (which begins where a block does) that lack this pass of samples: not

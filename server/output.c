@@ -187,9 +187,8 @@ static void try_again(struct server *s, struct writer_task *t)
 static void judge(struct server *s, struct job *j, const struct writer_task *t)
 {
     const uint32_t spp = t->judge_spp;
-    if (t->look.blocks)
-        adaptive_add(&j->adaptive, &t->look);
-    j->reached = spp < ADAPTIVE_PILOT_SPP ? t->enough : adaptive_is_due(&j->adaptive, spp);
+    adaptive_add(&j->adaptive, &t->look);
+    j->reached = adaptive_is_due(&j->adaptive, spp);
     j->row.error = t->error;
     j->row.report = t->snapshot.row.report;
     j->row.report.stopped = adaptive_stopped(&j->adaptive, spp);

@@ -95,18 +95,12 @@ static bool is_new(const struct job *j)
     return j->open && j->row.target.error > 0 && j->rounds_done > j->rounds_judged;
 }
 
-/* Before the pilot every round is; not the last one of a job that ends it where no pass does. */
-static bool can_be_judged(uint32_t spp)
-{
-    return adaptive_judges(spp) || spp < ADAPTIVE_FIRST_SPP;
-}
-
 bool round_wants_judge(const struct job *j)
 {
-    return is_new(j) && can_be_judged(round_spp(j));
+    return is_new(j) && adaptive_judges(round_spp(j));
 }
 
 bool round_goes_on(const struct job *j)
 {
-    return is_new(j) && !can_be_judged(round_spp(j));
+    return is_new(j) && !adaptive_judges(round_spp(j));
 }

@@ -33,7 +33,7 @@ bool round_is_open(const struct job *, uint32_t pass);
 void round_count(struct job *, uint32_t merged); /* a tile has so many passes now */
 bool round_is_last(const struct job *);          /* every pass up to the spp target is in */
 
-/* The last complete round is to be judged, by stop.h or adaptive.h; of round_spp samples. */
+/* The last complete round is to be judged, by adaptive.h; of round_spp samples. */
 bool round_wants_judge(const struct job *);
 uint32_t round_spp(const struct job *);
 /* It is complete, is not open to judgement, and lets the next one in. */

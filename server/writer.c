@@ -8,7 +8,6 @@
 
 #include "common/clock.h"
 #include "common/estimate.h"
-#include "common/stop.h"
 #include "server/image.h"
 #include "server/report.h"
 #include "server/status_report.h"
@@ -91,15 +90,6 @@ static bool write_images(struct writer_task *t, const struct image *image)
     return ok;
 }
 
-static void look(struct writer_task *t)
-{
-    const struct film *film = &t->snapshot.film;
-    if (t->judge_spp < ADAPTIVE_PILOT_SPP)
-        t->enough = stop_is_due(film, t->snapshot.row.target.error);
-    if (adaptive_judges(t->judge_spp))
-        t->look = adaptive_look(film, t->judge_spp, &t->snapshot.adaptive, &t->arena);
-}
-
 void writer_run(struct writer_task *t)
 {
     const int64_t begin_ms = clock_ms();
@@ -119,7 +109,7 @@ void writer_run(struct writer_task *t)
             adaptive_stopped(&t->snapshot.adaptive, t->snapshot.row.spp_done);
     }
     if (t->judge_spp)
-        look(t);
+        t->look = adaptive_look(film, t->judge_spp, &t->snapshot.adaptive, &t->arena);
     if (t->ok && t->parts & WRITER_IMAGE) {
         struct arena arena = {0};
         const struct image image =

@@ -29,7 +29,6 @@ struct writer_task {
     /* Filled by the writer. */
     bool ok; /* everything asked for is on disk */
     struct err err;
-    bool enough;               /* judge_spp below the pilot's: the error target is met (stop.h) */
     struct adaptive_look look; /* of a judged round; memory of the arena */
     struct arena arena;
     double error; /* WRITER_ERROR and WRITER_IMAGE; < 0: unknown. With snapshot.row.report */

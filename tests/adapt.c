@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "tests/adapt.h"
 
-#include "common/stop.h"
 #include "common/trace/render.h"
 
 void adapt_init(struct adapt *a, struct tile_rect window, uint32_t tile_px)
@@ -40,18 +39,12 @@ static bool merge_round(struct adapt *a, struct tile_pass pass, adapt_fill *fill
     return any;
 }
 
-/* merged: this round was just completed. A film that goes on may be due where it stands. */
-static bool judge(struct adapt *a, bool merged, double target)
+static void write_down(struct adapt *a)
 {
-    if (merged && adaptive_judges(a->spp)) {
-        struct arena arena = {0};
-        const struct adaptive_look look = adaptive_look(&a->film, a->spp, &a->adaptive, &arena);
-        adaptive_add(&a->adaptive, &look);
-        arena_release(&arena);
-    }
-    if (a->spp < ADAPTIVE_PILOT_SPP)
-        return a->film.spp[0] == a->spp && stop_is_due(&a->film, target);
-    return adaptive_is_due(&a->adaptive, a->spp);
+    struct arena arena = {0};
+    const struct adaptive_look look = adaptive_look(&a->film, a->spp, &a->adaptive, &arena);
+    adaptive_add(&a->adaptive, &look);
+    arena_release(&arena);
 }
 
 bool adapt_run(struct adapt *a, double target, uint32_t spp, adapt_fill *fill, const void *context)
@@ -61,7 +54,9 @@ bool adapt_run(struct adapt *a, double target, uint32_t spp, adapt_fill *fill, c
         const struct tile_pass pass = tile_pass_of(p, spp);
         const bool merged = merge_round(a, pass, fill, context);
         a->spp = pass.s_end;
-        if (target > 0 && judge(a, merged, target))
+        if (target > 0 && merged && adaptive_judges(a->spp))
+            write_down(a);
+        if (adaptive_is_due(&a->adaptive, a->spp)) /* also where nothing was lacking */
             return true;
     }
     return false;

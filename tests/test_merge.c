@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/stop.h"
 #include "server/round.h"
 #include "server/sched.h"
 #include "tests/fake_job.h"
@@ -223,11 +222,11 @@ static bool judge(struct job *j)
 {
     struct arena arena = {0};
     const uint32_t spp = round_spp(j);
-    bool due = spp < ADAPTIVE_PILOT_SPP && stop_is_due(&j->film, j->row.target.error);
+    bool due = false;
     if (adaptive_judges(spp)) {
         const struct adaptive_look look = adaptive_look(&j->film, spp, &j->adaptive, &arena);
         adaptive_add(&j->adaptive, &look);
-        due |= adaptive_is_due(&j->adaptive, spp);
+        due = adaptive_is_due(&j->adaptive, spp);
     }
     if (!due)
         merge_next_round(j, 0);
