@@ -23,7 +23,7 @@
 enum { LEVELS = 16, MOST_SCENES = 64, TARGETS = 2 };
 
 static const double targets[TARGETS] = {.03, .01};
-static double most_units = 1.5e9; /* of a method on a scene */
+static double most_units = 6e9; /* of a method on a scene */
 
 /* --- what a method needs: the oracle --- */
 
@@ -42,17 +42,30 @@ static double denominator(double y, double floor)
     return y * y + floor * floor;
 }
 
-/* The mean squared error of a film, relative to the reference's pixels. */
-static double square_of(const struct film *f, const struct film *reference, double floor)
+/* The squared errors of a film's pixels, by its replicates. */
+static const float *squares_of(const struct film *f, struct arena *arena)
 {
     const size_t pixels = tile_rect_pixels(f->window);
+    float *squares = arena_new(arena, float, 3 * pixels);
+    for (size_t i = 0; i < pixels; i++) {
+        double error[3];
+        estimate_pixel(f, i, error);
+        for (int c = 0; c < 3; c++)
+            squares[3 * i + c] = (float)(error[c] * error[c]);
+    }
+    return squares;
+}
+
+/* Their mean, relative to the reference's pixels. */
+static double relative(const float *squares, const struct film *reference, double floor)
+{
+    const size_t pixels = tile_rect_pixels(reference->window);
     double sum = 0;
     for (size_t i = 0; i < pixels; i++) {
-        double error[3], y[3];
-        estimate_pixel(f, i, error);
+        double y[3];
         film_mean(reference, i, y);
         for (int c = 0; c < 3; c++)
-            sum += error[c] * error[c] / denominator(y[c], floor) / (3.0 * (double)pixels);
+            sum += (double)squares[3 * i + c] / denominator(y[c], floor) / (3.0 * (double)pixels);
     }
     return sum;
 }
@@ -84,13 +97,45 @@ static double bias_of(const struct film *f, const struct film *reference, double
     return sum > 0 ? sum : 0;
 }
 
-/* reference: NULL for its own. Leaves the film to the caller. */
-static struct curve run(const struct stage *s, struct film *film, const struct film *reference)
+/* Noise twice as high as the usual method's for as much work, three times running: it is out of the
+ * race, and what is extrapolated from here says by how much. */
+static bool is_hopeless(const struct curve *c, const struct curve *usual)
+{
+    if (c->count < 3)
+        return false;
+    for (uint32_t i = c->count - 3; i < c->count; i++) {
+        double square = usual->square[0];
+        for (uint32_t k = 0; k < usual->count && usual->units[k] <= c->units[i]; k++)
+            square = usual->square[k];
+        if (c->square[i] < 2 * square)
+            return false;
+    }
+    return true;
+}
+
+struct judged_by { /* NULL, NULL for the usual method, which is its own reference */
+    const struct film *reference;
+    const struct curve *usual;
+};
+
+static bool is_enough(const struct curve *c, const struct film *f, const struct judged_by *by)
+{
+    const double error = targets[TARGETS - 1];
+    if ((double)f->work.units > most_units / 2 || c->square[c->count - 1] < .5 * error * error)
+        return true;
+    const bool lacks_light =
+        by->reference && c->count >= 3 && mean_of(f) < (1 - targets[0]) * mean_of(by->reference);
+    return lacks_light || (by->usual && is_hopeless(c, by->usual));
+}
+
+/* Leaves the film to the caller. */
+static struct curve run(const struct stage *s, struct film *film, struct judged_by by)
 {
     struct curve c = {0};
     const struct tile_rect frame = {0, 0, s->film.width_px, s->film.height_px};
-    struct arena arena = {0};
-    double squares[LEVELS];
+    const struct film *to = by.reference ? by.reference : film;
+    const float *squares[LEVELS];
+    struct arena arena = {0}, kept = {0};
     film_init(film, frame);
     for (uint32_t spp = 0; c.count < LEVELS;) {
         const uint32_t end = spp ? 2 * spp : 16;
@@ -100,16 +145,17 @@ static struct curve run(const struct stage *s, struct film *film, const struct f
         film_merge(film, &samples);
         arena_reset(&arena);
         spp = end;
-        const struct film *to = reference ? reference : film;
-        squares[c.count] = square_of(film, to, .01 * mean_of(to));
+        squares[c.count] = squares_of(film, &kept);
         c.units[c.count] = (double)film->work.units;
-        c.square[c.count] = squares[c.count];
+        c.square[c.count] = relative(squares[c.count], to, .01 * mean_of(to));
         c.count++;
-        if ((double)film->work.units > most_units / 2 ||
-            squares[c.count - 1] < .5 * targets[TARGETS - 1] * targets[TARGETS - 1])
+        if (is_enough(&c, film, &by))
             break;
     }
+    for (uint32_t i = 0; i < c.count; i++) /* of the usual method, by the pixels as they are now */
+        c.square[i] = relative(squares[i], to, .01 * mean_of(to));
     arena_release(&arena);
+    arena_release(&kept);
     return c;
 }
 
@@ -140,11 +186,12 @@ static void ask_oracle(struct scenes *s, struct oracle *o)
     const struct plan plan = {.sampler = SAMPLER_SOBOL};
     const struct stage *usual = scenes_stage(s);
     struct stage *copy = study_stage(usual, &s->arena);
-    run(usual, &reference, NULL);
+    struct curve *mis = &o->of[PLAN_PATH_MIS];
+    *mis = run(usual, &reference, (struct judged_by){NULL, NULL});
     const double mean = mean_of(&reference);
-    for (int k = 0; k < PLAN_REAL; k++) {
+    for (int k = 0; k < PLAN_PATH_MIS; k++) {
         study_set_method(copy, usual, plan_method_of(&plan, (enum plan_candidate_kind)k));
-        o->of[k] = run(copy, &film, &reference);
+        o->of[k] = run(copy, &film, (struct judged_by){&reference, mis});
         if (k == PLAN_DIRECT || k == PLAN_WHITTED) {
             o->of[k].bias = bias_of(&film, &reference, .01 * mean);
             o->of[k].lacks = mean > 0 ? 1 - mean_of(&film) / mean : 0;
@@ -168,16 +215,24 @@ static struct plan plan_of(struct scenes *s, double error)
     return plan;
 }
 
+struct figure {
+    enum corpus_part part;
+    double regret;
+    double forecast; /* off by this factor, at least 1 */
+    double price;    /* of planning, over the usual method's work */
+    bool is_plain;   /* nothing is cheaper than the usual method: planning cannot gain anything */
+};
+
 struct figures {
-    double regret[2][TARGETS * MOST_SCENES]; /* [held out] */
-    uint32_t regrets[2];
-    double forecast[TARGETS * MOST_SCENES]; /* off by this factor, at least 1 */
-    uint32_t forecasts;
-    double price[TARGETS * MOST_SCENES]; /* of planning, over the usual method's work */
+    struct figure of[TARGETS * MOST_SCENES];
+    uint32_t count;
     uint32_t insufficient;
     uint32_t perturbed, moved;
     FILE *csv;
 };
+
+static const char *const part_names[] = {
+    [CORPUS_TUNED] = "tuned on", [CORPUS_HELD_OUT] = "held out", [CORPUS_FRESH] = "fresh"};
 
 static double least_of(const struct oracle *o, double error, enum plan_candidate_kind *which)
 {
@@ -201,23 +256,21 @@ static void judge(uint32_t scene, struct scenes *s, const struct oracle *o, int 
     const double least = least_of(o, error, &best);
     const double chosen = units_to(&o->of[plan.chosen], error);
     const double usual = units_to(&o->of[PLAN_PATH_MIS], error);
-    const double regret = (plan.studied + chosen) / least;
     const double off = plan.forecast > chosen ? plan.forecast / chosen : chosen / plan.forecast;
-    const bool held_out = corpus_is_held_out(scene);
+    const struct figure figure = {corpus_part(scene), (plan.studied + chosen) / least, off,
+                                  plan.studied / usual, usual <= least};
     f->insufficient += isinf(chosen);
-    f->regret[held_out][f->regrets[held_out]++] = regret;
-    f->price[f->forecasts] = plan.studied / usual;
-    f->forecast[f->forecasts++] = off;
-    printf("%-17s %s %2.0f %%  %-11s %-11s regret %5.3f  planning %5.2f %%  forecast x %.2f%s\n",
-           corpus_name(scene), held_out ? "*" : " ", 100 * error, plan_candidate_name(plan.chosen),
-           plan_candidate_name(best), regret, 100 * plan.studied / usual, plan.forecast / chosen,
-           plan.pilot_pixels ? "" : "  no pilot");
+    f->of[f->count++] = figure;
+    printf("%-17s %-8s %2.0f %%  %-11s %-11s regret %5.3f  planning %5.2f %%  forecast x %.2f%s\n",
+           corpus_name(scene), part_names[figure.part], 100 * error,
+           plan_candidate_name(plan.chosen), plan_candidate_name(best), figure.regret,
+           100 * figure.price, plan.forecast / chosen, plan.pilot_pixels ? "" : "  no pilot");
     fflush(stdout);
     if (!f->csv)
         return;
-    fprintf(f->csv, "\"%s\",%d,%g,\"%s\",\"%s\",%.4g,%.4g,%.4g", corpus_name(scene), held_out,
-            error, plan_candidate_name(plan.chosen), plan_candidate_name(best), regret,
-            plan.studied, plan.forecast);
+    fprintf(f->csv, "\"%s\",%s,%g,\"%s\",\"%s\",%.4g,%.4g,%.4g", corpus_name(scene),
+            part_names[figure.part], error, plan_candidate_name(plan.chosen),
+            plan_candidate_name(best), figure.regret, plan.studied, plan.forecast);
     for (int k = 0; k < PLAN_REAL; k++)
         fprintf(f->csv, ",%.4g", units_to(&o->of[k], error));
     fprintf(f->csv, "\n");
@@ -296,41 +349,51 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static void say_regrets(const char *of, double *regrets, uint32_t count)
+static double median_of(double *v, uint32_t count)
 {
-    uint32_t good = 0;
-    double logs = 0;
-    qsort(regrets, count, sizeof *regrets, by_size);
-    for (uint32_t i = 0; i < count; i++) {
-        good += regrets[i] <= 1.1;
-        logs += log(regrets[i]);
-    }
-    printf("%s: regret at most 1.10 in %.1f %% of %u (90 %%), worst %.2f (1.5), geometric mean "
-           "%.3f (1.05)\n",
-           of, 100.0 * good / count, count, regrets[count - 1], exp(logs / count));
+    qsort(v, count, sizeof *v, by_size);
+    return v[count / 2];
 }
 
-static void say(struct figures *f)
+/* part: CORPUS_PARTS for all. */
+static void say_part(const struct figures *f, enum corpus_part part)
 {
-    double all[TARGETS * MOST_SCENES];
-    uint32_t twice = 0;
-    printf("\n");
-    say_regrets("tuned on", f->regret[0], f->regrets[0]);
-    say_regrets("held out", f->regret[1], f->regrets[1]);
-    memcpy(all, f->regret[0], f->regrets[0] * sizeof *all);
-    memcpy(all + f->regrets[0], f->regret[1], f->regrets[1] * sizeof *all);
-    say_regrets("all", all, f->regrets[0] + f->regrets[1]);
-    printf("insufficient methods chosen: %u (0)\n", f->insufficient);
+    double forecasts[TARGETS * MOST_SCENES], prices[TARGETS * MOST_SCENES];
+    double logs = 0, worst = 0, plain = 0;
+    uint32_t count = 0, good = 0, twice = 0;
+    for (uint32_t i = 0; i < f->count; i++) {
+        const struct figure *g = &f->of[i];
+        if (part != CORPUS_PARTS && g->part != part)
+            continue;
+        good += g->regret <= 1.1;
+        twice += g->forecast <= 2;
+        logs += log(g->regret);
+        worst = fmax(worst, g->regret);
+        plain = g->is_plain ? fmax(plain, g->regret) : plain;
+        forecasts[count] = g->forecast;
+        prices[count++] = g->price;
+    }
+    if (count == 0)
+        return;
+    printf("\n%s (%u)\n", part == CORPUS_PARTS ? "all" : part_names[part], count);
+    printf("  regret at most 1.10 in %.1f %% (90 %%), worst %.2f (1.5), geometric mean %.3f "
+           "(1.05)\n",
+           100.0 * good / count, worst, exp(logs / count));
+    printf("  total where the usual method is the cheapest: at most %.3f of it (1.02)\n", plain);
+    printf("  forecasts within a factor of 2: %.1f %% (90 %%), median %.2f (1.3)\n",
+           100.0 * twice / count, median_of(forecasts, count));
+    const double price = median_of(prices, count); /* sorts them */
+    printf("  planning: median %.2f %%, most %.2f %% of the usual method's work\n", 100 * price,
+           100 * prices[count - 1]);
+}
+
+static void say(const struct figures *f)
+{
+    for (int part = 0; part <= CORPUS_PARTS; part++)
+        say_part(f, (enum corpus_part)part);
+    printf("\ninsufficient methods chosen: %u (0)\n", f->insufficient);
     printf("perturbed: the same choice, or one within 10 %%, in %.1f %% of %u (95 %%)\n",
            100.0 * (f->perturbed - f->moved) / f->perturbed, f->perturbed);
-    qsort(f->forecast, f->forecasts, sizeof *f->forecast, by_size);
-    qsort(f->price, f->forecasts, sizeof *f->price, by_size);
-    for (uint32_t i = 0; i < f->forecasts; i++)
-        twice += f->forecast[i] <= 2;
-    printf("forecasts within a factor of 2: %.1f %% (90 %%), median %.2f (1.3)\n",
-           100.0 * twice / f->forecasts, f->forecast[f->forecasts / 2]);
-    printf("planning: median %.2f %%, most %.2f %% of the usual method's work\n",
-           100 * f->price[f->forecasts / 2], 100 * f->price[f->forecasts - 1]);
 }
 
 int main(int argc, char **argv)
@@ -347,9 +410,9 @@ int main(int argc, char **argv)
         return 5;
     }
     if (f.csv)
-        fprintf(f.csv, "scene,held_out,error,chosen,best,regret,planning,forecast,direct,whitted,"
+        fprintf(f.csv, "scene,part,error,chosen,best,regret,planning,forecast,direct,whitted,"
                        "bsdf,light,mis\n");
-    printf("%u scenes, * held out; the method chosen, the cheapest one\n", corpus_count());
+    printf("%u scenes; the method chosen, the cheapest one\n", corpus_count());
     for (uint32_t i = 0; i < corpus_count(); i++) {
         struct scenes s;
         struct oracle o;

@@ -4,59 +4,11 @@
 #include <math.h>
 #include <string.h>
 
+#include "bench/corpus_parts.h"
 #include "common/base.h"
 #include "common/scene_disk.h"
 
-static const double pi = 3.14159265358979323846;
-
-static void start(struct scenes *s, vec3 from, vec3 at, double fov_y_deg)
-{
-    scenes_init(s, CORPUS_WIDTH_PX, CORPUS_HEIGHT_PX);
-    scenes_look(s, from, at, fov_y_deg * pi / 180);
-}
-
-static void shine(struct shape *shape, float radiance)
-{
-    shape->emission = rgb_gray(radiance);
-}
-
-/* A quad below y that shines down, around (x, z). */
-static void lamp(struct scenes *s, float x, float y, float z, float side, float radiance)
-{
-    shine(scenes_quad(s, scenes_diffuse(s, rgb_gray(0)), vec3_make(x - side / 2, y, z - side / 2),
-                      vec3_make(side, 0, 0), vec3_make(0, 0, side)),
-          radiance);
-}
-
-static uint32_t metal(struct scenes *s, float alpha)
-{
-    return scenes_metal(s, rgb_gray(.2f), rgb_gray(3), alpha);
-}
-
-static void ground(struct scenes *s, float albedo)
-{
-    scenes_quad(s, scenes_diffuse(s, rgb_gray(albedo)), vec3_make(-4, 0, 4), vec3_make(8, 0, 0),
-                vec3_make(0, 0, -8));
-}
-
-static void ball(struct scenes *s, uint32_t material, float x, float z)
-{
-    scenes_sphere(s, material, vec3_make(x, .5f, z), .5f);
-}
-
-static void look_down(struct scenes *s)
-{
-    start(s, vec3_make(0, 2.2f, 4), vec3_make(0, .5f, 0), 40);
-}
-
 /* --- rooms --- */
-
-static void room(struct scenes *s, float albedo)
-{
-    start(s, vec3_make(0, 1.2f, 2.9f), vec3_make(0, .9f, 0), 60);
-    scenes_box(s, scenes_diffuse(s, rgb_gray(albedo)), vec3_make(-1.5f, 0, -1.5f),
-               vec3_make(1.5f, 2.2f, 3), true);
-}
 
 static void furnished(struct scenes *s, float side)
 {
@@ -153,28 +105,12 @@ static void walls_shine(struct scenes *s)
 
 /* --- outside --- */
 
-static void balls(struct scenes *s)
-{
-    ball(s, scenes_diffuse(s, rgb_gray(.6f)), -1.1f, 0);
-    ball(s, metal(s, .1f), 0, 0);
-    ball(s, scenes_diffuse(s, rgb_gray(.2f)), 1.1f, 0);
-}
-
 static void under_sky(struct scenes *s)
 {
     look_down(s);
     ground(s, .5f);
     balls(s);
     scenes_sky(s, rgb_gray(1));
-}
-
-static void sun(struct scenes *s, float radius_rad, float irradiance)
-{
-    const float down[3] = {-.48f, -.8f, -.36f};
-    struct light *l = scenes_light(s, LIGHT_SUN);
-    memcpy(l->sun.direction, down, sizeof down);
-    l->sun.radius_rad = radius_rad;
-    l->sun.irradiance = rgb_gray(irradiance);
 }
 
 static void under_sun(struct scenes *s)
@@ -343,22 +279,26 @@ static const struct {
 
 static const char *const files[] = {"cornell-box", "glass-and-metal", "many-lights", "materials"};
 
+enum { OLD = countof(own) + countof(files) };
+
 uint32_t corpus_count(void)
 {
-    return countof(own) + countof(files);
+    return OLD + corpus_fresh_count();
 }
 
 const char *corpus_name(uint32_t i)
 {
-    return i < countof(own) ? own[i].name : files[i - countof(own)];
+    return i < countof(own) ? own[i].name
+           : i < OLD        ? files[i - countof(own)]
+                            : corpus_fresh_name(i - OLD);
 }
 
-bool corpus_is_held_out(uint32_t i)
+enum corpus_part corpus_part(uint32_t i)
 {
-    return i % 3 == 2;
+    return i >= OLD ? CORPUS_FRESH : i % 3 == 2 ? CORPUS_HELD_OUT : CORPUS_TUNED;
 }
 
-static bool open_file(const char *name, struct scenes *s)
+bool corpus_open(const char *name, struct scenes *s)
 {
     char path[64];
     struct scene_disk disk;
@@ -383,8 +323,10 @@ static bool open_file(const char *name, struct scenes *s)
 
 bool corpus_make(uint32_t i, struct scenes *s)
 {
+    if (i >= OLD)
+        return corpus_fresh_make(i - OLD, s);
     if (i >= countof(own))
-        return open_file(files[i - countof(own)], s);
+        return corpus_open(files[i - countof(own)], s);
     own[i].make(s);
     return true;
 }

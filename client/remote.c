@@ -145,10 +145,12 @@ static bool read_job(const json_t *root, struct remote_job *job, struct err *err
         .cpu_seconds = number_or(root, "cpu_seconds", 0),
         .spp = (uint32_t)whole(root, "spp"),
         .target_spp = (uint32_t)whole(json_object_get(root, "target"), "spp"),
+        .target_error = number_or(json_object_get(root, "target"), "error", 0),
         .workers = (uint32_t)whole(root, "workers"),
         .samples = whole(root, "samples"),
         .invalid_samples = whole(json_object_get(root, "invalid_samples"), "count"),
     };
+    copy(job->ended_by, sizeof job->ended_by, root, "ended_by");
     read_report(json_object_get(root, "report"), job);
     copy(job->id, sizeof job->id, root, "id");
     copy(job->title, sizeof job->title, root, "title");

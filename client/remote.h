@@ -39,6 +39,8 @@ struct remote_job {
     double eta_seconds; /* < 0: not known */
     double elapsed_seconds, cpu_seconds;
     uint32_t spp, target_spp, workers;
+    double target_error; /* 0: none */
+    char ended_by[16];   /* the target that did; "" before */
     uint64_t samples, invalid_samples;
     char digest[HASH_HEX]; /* of the finished image; "" before */
     char failure[512];     /* "" unless it failed */

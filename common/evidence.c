@@ -201,23 +201,43 @@ static void judge_regions(const struct film *f, const bool *among, struct eviden
 
 /* ---- all ---- */
 
-struct evidence evidence_among(const struct film *f, const bool *among, struct arena *arena)
+static struct evidence begin(const struct film *f, const bool *among, struct arena *arena)
 {
     const size_t count = block_count(f->window);
-    struct evidence e = {block_columns(f->window), block_rows(f->window),
-                         arena_new(arena, struct evidence_block, count), 0, 0};
+    struct evidence e = {.columns = block_columns(f->window),
+                         .rows = block_rows(f->window),
+                         .blocks = arena_new(arena, struct evidence_block, count)};
     for (size_t i = 0; i < count; i++)
         e.blocks[i] = evidence_block(f, i);
     judge_regions(f, among, &e, arena);
+    return e;
+}
+
+static void sum_up(const struct film *f, struct evidence *e)
+{
     double pixels[EVIDENCE_HEAVY + 1] = {0};
-    for (size_t i = 0; i < count; i++)
-        pixels[e.blocks[i].verdict] += tile_rect_pixels(block_rect_of(f->window, i));
-    e.unknown = pixels[EVIDENCE_UNKNOWN] / tile_rect_pixels(f->window);
-    e.heavy = pixels[EVIDENCE_HEAVY] / tile_rect_pixels(f->window);
+    for (size_t i = 0; i < block_count(f->window); i++) {
+        const struct evidence_block *b = &e->blocks[i];
+        const double here = tile_rect_pixels(block_rect_of(f->window, i));
+        pixels[b->verdict] += here;
+        if (b->verdict == EVIDENCE_UNKNOWN && !(b->neff >= EVIDENCE_LEAST))
+            e->few += here / tile_rect_pixels(f->window);
+    }
+    e->unknown = pixels[EVIDENCE_UNKNOWN] / tile_rect_pixels(f->window);
+    e->heavy = pixels[EVIDENCE_HEAVY] / tile_rect_pixels(f->window);
+}
+
+struct evidence evidence_among(const struct film *f, const bool *among, struct arena *arena)
+{
+    struct evidence e = begin(f, among, arena);
+    sum_up(f, &e);
     return e;
 }
 
 struct evidence evidence_make(const struct film *f, struct arena *arena)
 {
-    return evidence_among(f, NULL, arena);
+    struct evidence e = begin(f, NULL, arena);
+    evidence_bars_judge(f, &e, arena);
+    sum_up(f, &e);
+    return e;
 }

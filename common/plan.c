@@ -9,15 +9,18 @@
 
 /* The numbers of the rules. They were set on the scenes of `make bench-planner` that are not held
  * out. */
-#define PILOT_SHARE    0.01 /* of the work that is expected, for all pilots together */
+#define PLACE_SHARE    0.33 /* of PLAN_SAMPLES; the rest is for pilots */
+#define PLACE_SAMPLES  10.0 /* a place costs about so many */
+#define LIGHT_SHARE    0.5  /* beside them, in scenes that have what is looked for */
 #define CLOSE          1.05 /* a simpler method may cost so much more: its pilot has a price, too */
 #define MOST_TAIL      0.5
 #define MOST_THIN      0.05
 #define WIDE_LIGHT_SR  0.3 /* a light that surfaces find by themselves */
 #define SMALL_LIGHT_SR 0.05
 #define PEAKED_MAP     50.0
+#define RANGE          1.5 /* of a forecast, up and down */
 
-enum { MOST_PIXELS = 4096, PILOT_SPP = 64, LEAST_SPP = 16 };
+enum { MOST_PIXELS = 4096, MOST_PLACES = 1024, MOST_PATHS = 65536, PILOT_SPP = 16 };
 
 static const struct plan_method methods[PLAN_REAL] = {
     [PLAN_DIRECT] = {INTEGRATOR_DIRECT, STRATEGY_MIS, SAMPLER_SOBOL},
@@ -111,17 +114,19 @@ static double sum_of(const double of_class[])
     return sum;
 }
 
-/* A method that leaves light out is considered only if none of it was found. A share of half of the
- * error would be allowed, but what counts is each pixel's error: where light comes by no other way,
- * in a shadow, all is gone, and one pixel in 4 / error^2 is too many already. No pilot sees that.
- */
-static void consider_biased(struct plan_candidate *c, double share, double error)
+/* A method that leaves light out is considered only if no path was found to go on where it ends,
+ * with light or without. A share of half of the error would be allowed, but what counts is each
+ * pixel's error: where light comes by no other way, in a shadow, all is gone, and one pixel in 4 /
+ * error^2 is too many already. No pilot sees that. */
+static void consider_biased(struct plan_candidate *c, double share, double error, uint64_t paths)
 {
     c->lacks += share;
     if (share > 0)
         rule(c, PLAN_INSUFFICIENT,
              "leaves out %.3g %% of the light (+- %.2g), and all in some pixels", 100 * share,
              200 * error);
+    else if (paths > 0)
+        rule(c, PLAN_INSUFFICIENT, "%llu paths go on where it ends", (unsigned long long)paths);
 }
 
 static uint32_t shared_lights(const struct plan_features *f)
@@ -179,8 +184,9 @@ static void consider_each(struct plan *p)
                      p->max_bounces);
         return;
     }
-    consider_biased(&c[PLAN_DIRECT], p->light.beyond_direct, p->light.beyond_direct_error);
-    consider_biased(&c[PLAN_WHITTED], p->light.beyond_whitted, p->light.beyond_whitted_error);
+    const struct plan_light *l = &p->light;
+    consider_biased(&c[PLAN_DIRECT], l->beyond_direct, l->beyond_direct_error, l->direct_paths);
+    consider_biased(&c[PLAN_WHITTED], l->beyond_whitted, l->beyond_whitted_error, l->whitted_paths);
     for (int k = PLAN_PATH_BSDF; k <= PLAN_PATH_LIGHT; k++)
         if (shared_lights(f) == 0)
             rule(&c[k], PLAN_RULED_OUT, "no light that both ways can find: it is the same as mis");
@@ -190,33 +196,39 @@ static void consider_each(struct plan *p)
     }
 }
 
-uint32_t plan_fit(const struct plan *p, double job_spp, uint32_t *spp)
+static uint32_t at_most(double n, uint32_t most)
 {
-    uint32_t count = 0;
-    for (int k = 0; k < PLAN_REAL; k++)
-        count += p->candidates[k].verdict == PLAN_DEARER;
-    const double samples = job_spp * (double)p->pixels * PILOT_SHARE / (count ? count : 1);
-    const double most = (double)min_size(MOST_PIXELS, 4 * (size_t)p->pixels);
-    *spp = samples >= 2 * PLAN_LEAST_PIXELS * PILOT_SPP ? PILOT_SPP : LEAST_SPP;
-    const double fit = samples / *spp;
-    return (uint32_t)(fit < most ? fit : most) / 4 * 4;
+    return n < most ? (uint32_t)n : most;
+}
+
+static double samples_of(const struct plan *p)
+{
+    return PLAN_SAMPLES * (double)p->pixels;
+}
+
+uint32_t plan_places(const struct plan *p)
+{
+    return at_most(PLACE_SHARE * samples_of(p) / PLACE_SAMPLES, MOST_PLACES);
+}
+
+uint32_t plan_light_paths(const struct plan *p)
+{
+    return at_most(LIGHT_SHARE * samples_of(p), MOST_PATHS);
 }
 
 static void size_pilots(struct plan *p, uint32_t count, bool may_pilot)
 {
-    const uint32_t fit = plan_fit(p, p->rough_spp, &p->pilot_spp);
-    p->is_alone = count == 1;
+    const double samples = (1 - PLACE_SHARE) * samples_of(p) / (count * PILOT_SPP);
+    const uint32_t fit = at_most(samples, MOST_PIXELS) / 4 * 4;
     if (count == 1)
         snprintf(p->why_no_pilot, PLAN_WHY, "there is nothing to choose from");
-    if (!may_pilot && count > 1)
+    else if (!may_pilot)
         snprintf(p->why_no_pilot, PLAN_WHY, "the scene is too large to be copied");
-    if (!may_pilot)
-        return;
-    if (fit >= PLAN_LEAST_PIXELS)
+    else if (fit < PLAN_LEAST_PIXELS)
+        snprintf(p->why_no_pilot, PLAN_WHY, "%llu pixels are too few for pilots of %u methods",
+                 (unsigned long long)p->pixels, count);
+    else
         p->pilot_pixels = fit;
-    else if (count > 1)
-        snprintf(p->why_no_pilot, PLAN_WHY,
-                 "%.3g units of work are too few for a pilot to pay for itself", p->expected);
 }
 
 void plan_consider(struct plan *p, bool may_pilot)
@@ -228,7 +240,6 @@ void plan_consider(struct plan *p, bool may_pilot)
     consider_absent(p);
     for (int k = 0; k < PLAN_REAL; k++)
         count += p->candidates[k].verdict == PLAN_DEARER;
-    p->expected = p->rough_spp * p->rough_work * (double)p->pixels;
     size_pilots(p, count, may_pilot);
 }
 
@@ -244,9 +255,12 @@ static bool is_tailed(const struct plan_candidate *c)
     return c->pilot.tail > MOST_TAIL || c->pilot.thin > MOST_THIN;
 }
 
-static bool is_rival(const struct plan_candidate *c)
+/* The usual method has its say whatever its tail: others have at least as heavy ones that they may
+ * not have shown. */
+static bool is_rival(const struct plan *p, int k)
 {
-    return c->tried && c->verdict == PLAN_DEARER && !is_tailed(c);
+    const struct plan_candidate *c = &p->candidates[k];
+    return c->tried && (k == PLAN_PATH_MIS || !is_tailed(c));
 }
 
 static void say_why(struct plan_candidate *c, double least)
@@ -265,40 +279,40 @@ static void say_why(struct plan_candidate *c, double least)
 static void choose_by_pilots(struct plan *p)
 {
     double least = (double)__builtin_inff();
-    int best = PLAN_REAL;
     for (int k = 0; k < PLAN_REAL; k++) {
         const double price = plan_price(&p->candidates[k].pilot);
-        least = is_rival(&p->candidates[k]) && price < least ? price : least;
+        least = is_rival(p, k) && price < least ? price : least;
     }
     for (int k = PLAN_REAL; k-- > 0;)
-        if (is_rival(&p->candidates[k]) && plan_price(&p->candidates[k].pilot) <= CLOSE * least)
-            best = k;
-    const bool by_pilot = best < PLAN_REAL;
-    p->chosen = by_pilot ? (enum plan_candidate_kind)best : PLAN_PATH_MIS;
+        if (is_rival(p, k) && plan_price(&p->candidates[k].pilot) <= CLOSE * least)
+            p->chosen = (enum plan_candidate_kind)k;
     for (int k = 0; k < PLAN_REAL; k++)
         if (p->candidates[k].tried)
             say_why(&p->candidates[k], least);
-    rule(&p->candidates[p->chosen], PLAN_CHOSEN, "%s",
-         by_pilot ? "the simplest within 5 % of the least variance x work"
-                  : "all that were tried have heavy tails: the one that is wrong the least");
+    rule(&p->candidates[p->chosen], PLAN_CHOSEN,
+         "the simplest within 5 %% of the least variance x work%s",
+         is_tailed(&p->candidates[p->chosen]) ? ", though its own has a heavy tail" : "");
 }
 
 void plan_choose(struct plan *p)
 {
-    struct plan_candidate *usual = &p->candidates[PLAN_PATH_MIS];
-    if (p->pilot_pixels > 0 && !p->is_alone)
+    if (p->pilot_pixels > 0) {
         choose_by_pilots(p);
-    else
-        rule(usual, PLAN_CHOSEN, "the usual method: %s", p->why_no_pilot);
-    const struct plan_candidate *c = &p->candidates[p->chosen];
-    if (p->pilot_pixels == 0)
-        for (int k = 0; k < PLAN_REAL; k++)
-            if (p->candidates[k].verdict == PLAN_DEARER)
-                rule(&p->candidates[k], PLAN_DEARER, "not tried: %.*s", PLAN_WHY - 16,
-                     p->why_no_pilot);
-    p->forecast_spp = c->tried ? c->pilot.spp : p->rough_spp;
-    p->forecast = p->forecast_spp * (c->tried ? c->pilot.work : p->rough_work) * (double)p->pixels;
-    const double range = c->tried ? 1.5 : 2;
-    p->forecast_low = p->is_asked ? p->forecast / range : p->forecast;
-    p->forecast_high = p->is_asked ? p->forecast * range : p->forecast;
+        return;
+    }
+    for (int k = 0; k < PLAN_REAL; k++)
+        if (p->candidates[k].verdict == PLAN_DEARER)
+            rule(&p->candidates[k], PLAN_DEARER, "not tried: %.*s", PLAN_WHY - 16, p->why_no_pilot);
+    rule(&p->candidates[PLAN_PATH_MIS], PLAN_CHOSEN, "the usual method: %.*s", PLAN_WHY - 32,
+         p->why_no_pilot);
+}
+
+/* --- the forecast --- */
+
+void plan_forecast(struct plan *p, double spp)
+{
+    p->forecast_spp = spp;
+    p->forecast = spp * p->outlook.work * (double)p->pixels;
+    p->forecast_low = p->is_asked ? p->forecast / RANGE : p->forecast;
+    p->forecast_high = p->is_asked ? p->forecast * RANGE : p->forecast;
 }

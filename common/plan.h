@@ -3,14 +3,18 @@
  *     facts     what the scene is like, what light travels which way, what a pilot has measured:
  *               common/trace/study.h fills them in
  *     plan_consider   which methods are worth a pilot, and how large it may be
- *     plan_choose     the method, and what its work will be
+ *     plan_choose     the method
+ *     plan_forecast   what its work will be
  *     plan_print      all of it as JSON (docs/plan.md)
  *
  * Classes of light are named in Heckbert's notation, from the light to the eye: D a scattering into
  * many directions, S into a single one. A method that leaves out light that others find is
  * insufficient. What no method finds is said.
  *
- * A plan is a pure function of document and assets: it is made of counted work, not of time.
+ * A plan is a pure function of document and assets: it is made of counted work, not of time. The
+ * method does not depend on the target, so that a job that goes on to another one ends as if it had
+ * been asked for that at once; the forecast does. What planning may cost follows from that: for the
+ * method a fifth of a sample of each pixel, whatever the job, for the forecast a share of it.
  * SPDX-License-Identifier: MIT */
 #ifndef COMMON_PLAN_H
 #define COMMON_PLAN_H
@@ -19,13 +23,16 @@
 #include "common/scene.h"
 
 enum {
-    PLAN_VERSION = 1,
+    PLAN_VERSION = 2,
     PLAN_WHY = 160,         /* bytes of a reason */
     PLAN_LEAST_PIXELS = 32, /* of a pilot */
     PLAN_MAX_BYTES = 16384, /* of a printed plan */
 };
 
-#define PLAN_ERROR 0.01 /* what is planned for when a document asks for no error */
+#define PLAN_ERROR         0.01   /* what is planned for when a document asks for no error */
+#define PLAN_SAMPLES       0.2    /* of each pixel, that it may cost to find the method */
+#define PLAN_OUTLOOK_SHARE 0.01   /* of the work forecast, to forecast it */
+#define PLAN_SLOPE         (-1.1) /* of the squared error over samples, log by log, mostly */
 
 /* --- what the scene is like --- */
 
@@ -87,6 +94,7 @@ struct plan_light { /* shares of all light of the image, that which no path find
     double missed[PLAN_CLASSES]; /* traced from lights, since no path from the eye can meet them */
     double beyond_direct, beyond_direct_error;   /* of what is found: after a second scattering; */
     double beyond_whitted, beyond_whitted_error; /* what "whitted" would leave out */
+    uint64_t direct_paths, whitted_paths; /* that went on so, whether they met light or not */
     uint64_t eye_paths, light_paths;
 };
 
@@ -121,12 +129,12 @@ enum plan_verdict {
 };
 
 struct plan_pilot {
-    double variance; /* of a sample, relative to the squares of pixels */
-    double slope;    /* of the squared error over samples, log by log, from -1.5 to -1 */
-    double work;     /* units of a sample */
-    double spp;      /* samples of a pixel to the target, by all these */
-    double tail;     /* share of the variance in the worst fiftieth of the pixels */
-    double thin;     /* share of pixels whose light is that of very few samples */
+    uint32_t pixels, spp; /* what it was */
+    double variance;      /* of a sample, by so many, relative to the squares of pixels */
+    double slope;         /* of the squared error over samples, log by log, from here on */
+    double work;          /* units of a sample */
+    double tail;          /* share of the variance in the worst fiftieth of the pixels */
+    double thin;          /* share of pixels whose light is that of very few samples */
 };
 
 struct plan_candidate {
@@ -149,17 +157,13 @@ struct plan {
     struct plan_features features;
     struct plan_light light;
 
-    double rough_variance, rough_work; /* of a sample of the usual method, by few samples */
-    double rough_spp;                  /* to the target */
-    double expected;                   /* units of work, by these */
-    double studied;                    /* units that the study has taken, with its pilots */
+    double studied; /* units of work that the study has taken, with its pilots */
 
     uint32_t pilot_pixels; /* 0: none, and why_no_pilot says why */
-    uint32_t pilot_spp;
-    bool is_alone; /* the usual method is the only candidate: its pilot is for the forecast */
     char why_no_pilot[PLAN_WHY];
     struct plan_candidate candidates[PLAN_CANDIDATES];
     enum plan_candidate_kind chosen;
+    struct plan_pilot outlook;                    /* of that method, for the forecast */
     double forecast, forecast_low, forecast_high; /* units of work to the target */
     double forecast_spp;
 };
@@ -180,13 +184,13 @@ struct plan_method plan_method_of(const struct plan *, enum plan_candidate_kind)
 /* An empty plan; pixels: of the crop window. */
 void plan_init(struct plan *, const struct scene_settings *, uint64_t pixels);
 
-/* After features, light, rough_variance and rough_work: settles which candidates are tried
- * (verdict PLAN_DEARER until plan_choose) and pilot_pixels. */
-void plan_consider(struct plan *, bool may_pilot);
+/* How many places of the frame are looked at, and how many paths from lights are followed. */
+uint32_t plan_places(const struct plan *);
+uint32_t plan_light_paths(const struct plan *);
 
-/* Pixels of pilots that are small beside a job of so many samples of a pixel; *spp: their own.
- * Below PLAN_LEAST_PIXELS: they are not worth it. */
-uint32_t plan_fit(const struct plan *, double job_spp, uint32_t *spp);
+/* After features and light: settles which candidates are tried (verdict PLAN_DEARER until
+ * plan_choose) and pilot_pixels. */
+void plan_consider(struct plan *, bool may_pilot);
 
 static inline bool plan_wants(const struct plan *p, enum plan_candidate_kind k)
 {
@@ -195,6 +199,9 @@ static inline bool plan_wants(const struct plan *p, enum plan_candidate_kind k)
 
 /* After the pilots. */
 void plan_choose(struct plan *);
+
+/* After the outlook; spp: of a pixel to the target, by that. */
+void plan_forecast(struct plan *, double spp);
 
 /* What methods are compared by: variance x work. */
 double plan_price(const struct plan_pilot *);

@@ -79,6 +79,18 @@ static void print_light(const struct plan_light *l, struct buf *out)
     say(out, "}}");
 }
 
+static void print_pilot(const char *name, const struct plan_pilot *p, struct buf *out)
+{
+    say(out, ", \"%s\": {\"pixels\": %u, \"spp\": %u", name, p->pixels, p->spp);
+    say_number(out, "variance", p->variance);
+    say_number(out, "slope", p->slope);
+    say_number(out, "units_per_sample", p->work);
+    say_number(out, "tail", p->tail);
+    say_number(out, "thin", p->thin);
+    say_number(out, "price", plan_price(p));
+    say(out, "}");
+}
+
 static void print_candidate(const struct plan *p, enum plan_candidate_kind k, struct buf *out)
 {
     static const char *const verdicts[] = {
@@ -89,16 +101,8 @@ static void print_candidate(const struct plan *p, enum plan_candidate_kind k, st
     say(out, "{\"method\": \"%s\", \"verdict\": \"%s\", \"why\": \"%s\"", plan_candidate_name(k),
         verdicts[c->verdict], c->why);
     say_number(out, "lacks", c->lacks);
-    if (c->tried) {
-        say(out, ", \"pilot\": {\"spp\": %u", p->pilot_spp);
-        say_number(out, "variance", c->pilot.variance);
-        say_number(out, "slope", c->pilot.slope);
-        say_number(out, "units_per_sample", c->pilot.work);
-        say_number(out, "tail", c->pilot.tail);
-        say_number(out, "thin", c->pilot.thin);
-        say_number(out, "price", plan_price(&c->pilot));
-        say(out, "}");
-    }
+    if (c->tried)
+        print_pilot("pilot", &c->pilot, out);
     say(out, "}");
 }
 
@@ -139,6 +143,7 @@ void plan_print(const struct plan *p, struct buf *out)
     say_number(out, "units", p->forecast);
     say_number(out, "low", p->forecast_low);
     say_number(out, "high", p->forecast_high);
+    print_pilot("outlook", &p->outlook, out);
     say(out, "}, \"studied_units\": %.6g, \"pilot_pixels\": %u, \"candidates\": [", p->studied,
         p->pilot_pixels);
     for (int k = 0; k < PLAN_CANDIDATES; k++) {

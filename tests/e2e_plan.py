@@ -14,12 +14,12 @@ def furnace(**settings):
     quads = [[[-1, -1, -1], [-1, 1, -1], [1, 1, -1], [1, -1, -1]], [[-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]],
              [[-1, -1, -1], [-1, -1, 1], [-1, 1, 1], [-1, 1, -1]], [[1, -1, -1], [1, 1, -1], [1, 1, 1], [1, -1, 1]],
              [[-1, -1, -1], [1, -1, -1], [1, -1, 1], [-1, -1, 1]], [[-1, 1, -1], [-1, 1, 1], [1, 1, 1], [1, 1, -1]]]
-    return {"smalti": 1, "film": {"width": 48, "height": 48},
+    return {"smalti": 1, "film": {"width": 128, "height": 96},
             "camera": {"type": "perspective", "fov_deg": 60, "look_at": {"from": [0, 0, 0], "to": [0.3, 0.2, -1]}},
             "materials": {"gray": {"type": "diffuse", "albedo": 0.5}},
             "shapes": [{"type": "quad", "material": "gray", "emission": 1, "vertices": [q[i] for i in (0, 3, 2, 1)]}
                        for q in quads],
-            "settings": {"target": {"spp": 512}, **settings}}
+            "settings": {"target": {"spp": 128}, **settings}}
 
 
 def attribute(exr, name):
@@ -41,7 +41,7 @@ def is_planned_once(f, t, reference):
     t.equal((done["auto"], done["method"]), (True, BSDF), "a furnace: no shadow rays")
     t.equal(done["image"]["digest"], reference, "the image of a document that asks for the same")
     plan = f.get(f"/v1/jobs/{job}/plan")
-    t.ok(plan["version"] == 1 and {**plan["method"], "sampler": "sobol"} == {**BSDF, "sampler": "sobol"} and
+    t.ok(plan["version"] == 2 and {**plan["method"], "sampler": "sobol"} == {**BSDF, "sampler": "sobol"} and
          plan["pilot_pixels"] > 0, "the plan says so, and why", plan["why"])
     scene = os.path.join(f.dir, "auto.json")
     with open(scene, "w") as file:
@@ -77,6 +77,22 @@ def survives(f, t, reference):
     worker.stop()
 
 
+def goes_on(f, t, reference):
+    """A target further on, by spp and by error: the method is still the one that it would have been given."""
+    worker = f.start_worker("--threads", "1")
+    job = f.submit(furnace(integrator="auto", target={"spp": 8}))
+    first = f.done(job)
+    t.equal(first["method"], BSDF, "planned for 8 samples of a pixel")
+    t.equal(f.call("PATCH", f"/v1/jobs/{job}", {"target": {"spp": 128}}).status, 200, "it goes on to 128")
+    t.equal(f.done(job)["image"]["digest"], reference, "to the bytes of 128 at once")
+    job = f.submit(furnace(integrator="auto", target={"error": 0.2}))
+    f.done(job)
+    t.equal(f.call("PATCH", f"/v1/jobs/{job}", {"target": {"error": 0.02}}).status, 200, "an error goes on to a smaller one")
+    last, at_once = f.done(job), f.done(f.submit(furnace(integrator="auto", target={"error": 0.02})))
+    t.equal((last["image"]["digest"], last["spp"]), (at_once["image"]["digest"], at_once["spp"]), "to the bytes of that at once")
+    worker.stop()
+
+
 def deliver(f, lease, body):
     return f.call("PUT", f"/v1/leases/{lease['lease']}/plan?worker=by-hand&want=0", body, JSON)
 
@@ -85,12 +101,12 @@ def believes_nothing(f, t):
     job = f.submit(AUTO)
     [lease] = f.lease(4)
     t.ok(lease["plan"] is True and "tile" not in lease, "the first lease is the plan's, and there is no other", lease)
-    pass_lease = {**lease, "tile": 0, "pass": 0, "rect": [0, 0, 48, 48], "samples": [0, 8]}
+    pass_lease = {**lease, "tile": 0, "pass": 0, "rect": [0, 0, 64, 64], "samples": [0, 8]}
     t.ok(f.deliver(lease, farm.payload(AUTO, job, pass_lease)).status in (400, 409), "samples are no plan")
-    good = {"version": 1, "method": {"integrator": "path", "strategy": "light", "sampler": "sobol"}}
+    good = {"version": 2, "method": {"integrator": "path", "strategy": "light", "sampler": "sobol"}}
     for body, status, what in (
             (b"{", 400, "no JSON"), ([], 400, "no object"), ({}, 400, "nothing"),
-            ({**good, "version": 2}, 400, "another version"),
+            ({**good, "version": 1}, 400, "another version"),
             ({**good, "method": {"integrator": "auto", "strategy": "mis"}}, 400, "no method"),
             ({**good, "method": {"integrator": "direct", "strategy": "bsdf"}}, 400, "no method there is"),
             ({**good, "method": "path"}, 400, "not even an object"),
@@ -133,6 +149,7 @@ def test(f, t):
     f.start_server(*f.flags)
     is_planned_once(f, t, reference)
     survives(f, t, reference)
+    goes_on(f, t, reference)
 
 
 farm.main(test)

@@ -8,7 +8,7 @@
 
 #include "tests/tap.h"
 
-/* Matte walls, a lamp of so many sr, a target of 1 %; 1000 samples of 500 units on 10^5 pixels. */
+/* Matte walls, a lamp of so many sr, a target of 1 %, 10^5 pixels. */
 static struct plan facts(double solid_angle)
 {
     struct plan p;
@@ -21,9 +21,7 @@ static struct plan facts(double solid_angle)
     p.light.found[PLAN_LDE] = .6;
     p.light.found[PLAN_LDDE] = .4;
     p.light.beyond_direct = p.light.beyond_whitted = .4;
-    p.rough_variance = .1;
-    p.rough_work = 500;
-    p.rough_spp = 1000;
+    p.light.direct_paths = p.light.whitted_paths = 900;
     return p;
 }
 
@@ -31,7 +29,7 @@ static void pilot(struct plan *p, enum plan_candidate_kind k, double variance, d
 {
     p->candidates[k].tried = true;
     p->candidates[k].pilot = (struct plan_pilot){
-        .variance = variance, .slope = -1, .work = work, .tail = .1, .spp = 900};
+        .pixels = 256, .spp = 16, .variance = variance, .slope = -1, .work = work, .tail = .1};
 }
 
 static enum plan_verdict verdict(const struct plan *p, enum plan_candidate_kind k)
@@ -64,12 +62,12 @@ static void rules(void)
     p.features.emitters[PLAN_SURFACE] = 0;
     p.features.emitters[PLAN_POINT] = 1;
     plan_consider(&p, true);
-    ok(p.is_alone && verdict(&p, PLAN_PATH_BSDF) == PLAN_RULED_OUT, "points alone: %s",
+    ok(p.pilot_pixels == 0 && verdict(&p, PLAN_PATH_BSDF) == PLAN_RULED_OUT, "points alone: %s",
        p.why_no_pilot);
     p = facts(1);
     p.max_bounces = 1;
     plan_consider(&p, true);
-    ok(verdict(&p, PLAN_DIRECT) == PLAN_RULED_OUT && p.is_alone, "one bounce: %s",
+    ok(verdict(&p, PLAN_DIRECT) == PLAN_RULED_OUT && p.pilot_pixels == 0, "one bounce: %s",
        p.candidates[PLAN_DIRECT].why);
 }
 
@@ -77,6 +75,7 @@ static void what_may_be_missing(void)
 {
     struct plan p = facts(1);
     p.light.beyond_direct = p.light.beyond_whitted = 0;
+    p.light.direct_paths = p.light.whitted_paths = 0;
     plan_consider(&p, true);
     ok(plan_wants(&p, PLAN_DIRECT) && plan_wants(&p, PLAN_WHITTED),
        "nothing is left out: both are tried");
@@ -84,29 +83,37 @@ static void what_may_be_missing(void)
     plan_consider(&p, true);
     ok(verdict(&p, PLAN_DIRECT) == PLAN_INSUFFICIENT && plan_wants(&p, PLAN_WHITTED),
        "a little is too much: %s", p.candidates[PLAN_DIRECT].why);
+    p.light.beyond_direct = 0;
+    p.light.direct_paths = 1;
+    plan_consider(&p, true);
+    ok(verdict(&p, PLAN_DIRECT) == PLAN_INSUFFICIENT && plan_wants(&p, PLAN_WHITTED),
+       "a path that goes on may find some: %s", p.candidates[PLAN_DIRECT].why);
 }
 
 static void pilots_are_small(void)
 {
     struct plan p = facts(1);
     plan_consider(&p, true);
-    const double pilots = 2.0 * p.pilot_pixels * p.pilot_spp * p.rough_work;
-    ok(p.pilot_pixels >= PLAN_LEAST_PIXELS && p.pilot_spp == 64 && p.pilot_pixels % 4 == 0 &&
-           pilots <= .01 * p.expected,
-       "two pilots of %u pixels: %.2f %% of the work", p.pilot_pixels, 100 * pilots / p.expected);
+    const double samples = 10.0 * plan_places(&p) + 2.0 * p.pilot_pixels * 16;
+    ok(p.pilot_pixels >= PLAN_LEAST_PIXELS && p.pilot_pixels % 4 == 0 &&
+           samples <= PLAN_SAMPLES * (double)p.pixels && samples > .1 * (double)p.pixels,
+       "%u places and two pilots of %u pixels: %.2f samples of each pixel", plan_places(&p),
+       p.pilot_pixels, samples / (double)p.pixels);
     plan_consider(&p, false);
     ok(p.pilot_pixels == 0, "none: %s", p.why_no_pilot);
-    p.pixels = 200;
-    plan_consider(&p, true);
-    ok(p.pilot_pixels >= PLAN_LEAST_PIXELS && p.pilot_spp == 16, "of less work shorter ones");
-    p = facts(1);
-    p.pixels = 30;
+    p.pixels = 5000;
     plan_consider(&p, true);
     ok(p.pilot_pixels == 0, "none: %s", p.why_no_pilot);
     plan_choose(&p);
-    ok(p.chosen == PLAN_PATH_MIS && p.forecast == 1000.0 * 500 * 30,
-       "then it is path, mis, with the rough forecast");
-    ok(p.forecast_low == p.forecast / 2 && p.forecast_high == p.forecast * 2, "and a wide range");
+    p.outlook.work = 500;
+    plan_forecast(&p, 1000);
+    ok(p.chosen == PLAN_PATH_MIS && p.forecast == 1000.0 * 500 * 5000,
+       "then it is path, mis; samples x units x pixels are its work");
+    ok(p.forecast_low < p.forecast && p.forecast < p.forecast_high, "more or less");
+    p.pixels = (uint64_t)1 << 28;
+    plan_consider(&p, true);
+    ok(p.pilot_pixels <= 4096 && plan_places(&p) <= 1024 && plan_light_paths(&p) <= 65536,
+       "large images need no larger ones");
 }
 
 static struct plan two(double bsdf, double tail)
@@ -130,11 +137,12 @@ static void choices(void)
     p = two(.5, .6);
     ok(p.chosen == PLAN_PATH_MIS && verdict(&p, PLAN_PATH_BSDF) == PLAN_TAILED,
        "nor if its variance may not exist: %s", p.candidates[PLAN_PATH_BSDF].why);
-    p = two(1, .1);
-    p.candidates[PLAN_PATH_MIS].pilot.tail = p.candidates[PLAN_PATH_BSDF].pilot.tail = .9;
+    p = two(3, .1);
+    p.candidates[PLAN_PATH_MIS].pilot.tail = .9;
     p.candidates[PLAN_PATH_MIS].verdict = p.candidates[PLAN_PATH_BSDF].verdict = PLAN_DEARER;
     plan_choose(&p);
-    ok(p.chosen == PLAN_PATH_MIS, "all have tails: %s", p.candidates[PLAN_PATH_MIS].why);
+    ok(p.chosen == PLAN_PATH_MIS, "a heavy tail does not make the usual method dearer: %s",
+       p.candidates[PLAN_PATH_MIS].why);
 }
 
 static void printed(void)

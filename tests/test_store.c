@@ -218,8 +218,8 @@ static void records_make(struct checkpoint *c)
     adaptive_init(&c->adaptive, c->row.crop);
     adaptive_resize(&c->adaptive, 2);
     c->adaptive.least = .0123;
-    c->adaptive.spp[0] = 16;
-    c->adaptive.spp[1] = 32;
+    c->adaptive.spp[0] = 8;
+    c->adaptive.spp[1] = 16;
     for (size_t i = 0; i < 2 * c->adaptive.count; i++)
         c->adaptive.blocks[i] = (struct adaptive_block){(float)i / 7, (float)i - 5};
 }

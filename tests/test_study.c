@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/base.h"
 #include "common/trace/prep.h"
 #include "common/trace/render.h"
 #include "common/trace/study.h"
@@ -63,6 +64,18 @@ static double mean_of(struct scenes *s, uint32_t spp)
     return mean;
 }
 
+/* The same with more pixels: what is looked at of an image is in proportion to it. */
+static void enlarge(struct scenes *s, uint32_t times)
+{
+    struct scene_film *f = &s->scene.film;
+    f->width_px *= times;
+    f->height_px *= times;
+    f->crop_x_begin *= times;
+    f->crop_y_begin *= times;
+    f->crop_x_end *= times;
+    f->crop_y_end *= times;
+}
+
 /* Behind glass that is none (its index is 1) the same light arrives, but no path from the eye finds
  * it: what is traced from the lamp must be what was found without. There is a sky, too, so that
  * there is something to be a share of. */
@@ -85,6 +98,7 @@ static void behind_nothing(enum light_kind kind, enum camera_kind camera, const 
             scenes_quad(&s, scenes_glass(&s, 1), vec3_make(-3, 1.9f, 3), vec3_make(6, 0, 0),
                         vec3_make(0, 0, -6));
         mean[pane] = mean_of(&s, 8);
+        enlarge(&s, 4);
         const struct plan plan = plan_of(&s);
         missed[pane] = sum_of(plan.light.missed);
         scenes_release(&s);
@@ -117,6 +131,7 @@ static void caustic(void)
                 rgb_gray(1);
         }
         mean[point] = mean_of(&s, 256);
+        enlarge(&s, 8);
         const struct plan plan = plan_of(&s);
         missed += plan.light.missed[PLAN_LSDE];
         diag("%s: LS+DE found %.4f missed %.4f, all missed %.4f", point ? "point" : "sphere",
@@ -216,15 +231,16 @@ static void scale(struct scenes *s, float unit, float light)
 static void stable(void)
 {
     struct scenes s;
-    room(&s, 64);
+    room(&s, 128);
     const struct plan first = plan_of(&s), again = plan_of(&s);
     ok(same_plans(&first, &again), "the same plan twice, to the last digit");
-    diag("%s; pilot of %u pixels, %.2f %% of the forecast", first.candidates[first.chosen].why,
-         first.pilot_pixels, 100 * first.studied / first.forecast);
+    diag("%s; outlook of %u pixels, all is %.2f %% of the forecast",
+         first.candidates[first.chosen].why, first.outlook.pixels,
+         100 * first.studied / first.forecast);
     scenes_release(&s);
     uint32_t others = 0;
     for (uint32_t i = 0; i < 10; i++) {
-        room(&s, 64);
+        room(&s, 128);
         scale(&s, i == 0 ? 1e-3f : i == 1 ? 1e3f : 1, i == 2 ? 1e-6f : i == 3 ? 1e6f : 1);
         s.scene.settings.seed = i < 4 ? 1 : i;
         const struct plan plan = plan_of(&s);
@@ -236,6 +252,57 @@ static void stable(void)
     ok(others == 0, "the same choice in other units, brightness and with other seeds");
 }
 
+/* A box whose walls all shine. */
+static void furnace(struct scenes *s)
+{
+    scenes_init(s, 128, 96);
+    scenes_box(s, scenes_diffuse(s, rgb_gray(.5f)), vec3_make(-1, -1, -1), vec3_make(1, 1, 1),
+               true);
+    for (uint32_t i = 0; i < s->scene.shape_count; i++)
+        s->scene.shapes[i].emission = rgb_gray(1);
+}
+
+/* All of it but what is of the target. */
+static struct plan without_target(struct plan p)
+{
+    p.error = p.studied = p.forecast = p.forecast_low = p.forecast_high = p.forecast_spp = 0;
+    p.is_asked = false;
+    p.outlook = (struct plan_pilot){.pixels = 0};
+    return p;
+}
+
+/* A job that goes on to another target keeps its method: it must be the one that the other target
+ * alone would have been given. */
+static void whatever_the_target(void (*make)(struct scenes *), const char *name)
+{
+    const struct scene_target targets[] = {{.error = .3, .spp = SCENE_MAX_SPP},
+                                           {.error = .02, .spp = SCENE_MAX_SPP},
+                                           {.error = .0005, .spp = SCENE_MAX_SPP},
+                                           {.error = .001, .spp = 64},
+                                           {.spp = 1},
+                                           {.spp = 4096}};
+    struct plan first = {.pixels = 0};
+    uint32_t same = 0, forecasts = 0;
+    for (size_t i = 0; i < countof(targets); i++) {
+        struct scenes s;
+        make(&s);
+        s.scene.settings.target = targets[i];
+        const struct plan plan = plan_of(&s), bare = without_target(plan);
+        first = i == 0 ? plan : first;
+        const struct plan first_bare = without_target(first);
+        same += same_plans(&bare, &first_bare);
+        forecasts += plan.forecast != first.forecast;
+        scenes_release(&s);
+    }
+    ok(same == countof(targets) && forecasts == countof(targets) - 1,
+       "%s: whatever the target, the same method for the same reasons, but another forecast", name);
+}
+
+static void medium_room(struct scenes *s)
+{
+    room(s, 128);
+}
+
 /* --- scenes of a kind --- */
 
 static void no_light(void)
@@ -244,7 +311,7 @@ static void no_light(void)
     room(&s, 16);
     s.scene.shapes[s.scene.shape_count - 1].emission = rgb_gray(0);
     const struct plan plan = plan_of(&s);
-    ok(plan.chosen == PLAN_PATH_MIS && plan.rough_variance == 0 && plan.forecast_spp == 8,
+    ok(plan.chosen == PLAN_PATH_MIS && plan.outlook.variance == 0 && plan.forecast_spp == 8,
        "a scene without light: the usual method, no more than eight samples");
     ok(sum_of(plan.light.found) == 0 && sum_of(plan.light.missed) == 0, "and no class has any");
     scenes_release(&s);
@@ -253,11 +320,7 @@ static void no_light(void)
 static void all_light(void)
 {
     struct scenes s;
-    scenes_init(&s, 64, 64);
-    scenes_box(&s, scenes_diffuse(&s, rgb_gray(.5f)), vec3_make(-1, -1, -1), vec3_make(1, 1, 1),
-               true);
-    for (uint32_t i = 0; i < s.scene.shape_count; i++)
-        s.scene.shapes[i].emission = rgb_gray(1);
+    furnace(&s);
     s.scene.settings.target = (struct scene_target){.error = .003, .spp = SCENE_MAX_SPP};
     const struct plan plan = plan_of(&s);
     near(plan.light.found[PLAN_LE], .5, .02, "a furnace: half of the light comes straight");
@@ -304,6 +367,8 @@ int main(void)
     caustic();
     methods_are_those_of_documents();
     stable();
+    whatever_the_target(medium_room, "a room");
+    whatever_the_target(furnace, "a furnace");
     no_light();
     all_light();
     one_pixel();

@@ -40,12 +40,11 @@ bool study_make(const struct stage *s, const struct study_halt *halt, struct are
         (uint64_t)side(f->crop_x_begin, f->crop_x_end) * side(f->crop_y_begin, f->crop_y_end);
     struct study t = {.stage = s, .halt = halt, .plan = plan};
     plan_init(plan, &s->settings, pixels);
-    if (!study_rough(&t, scratch) || !study_features(&t) || !study_eye(&t) || !study_light(&t) ||
-        !study_pilots(&t, scratch))
+    if (!study_features(&t) || !study_eye(&t) || !study_light(&t) || !study_pilots(&t, scratch))
         return false;
     plan->studied += (double)work_units(s, &t.work);
     plan_choose(plan);
-    return true;
+    return study_outlook(&t, scratch);
 }
 
 /* --- other methods of the same scene --- */

@@ -29,6 +29,7 @@ struct eye {
     double found[PLAN_CLASSES];
     double all[FILM_REPLICATES], beyond_direct[FILM_REPLICATES], beyond_whitted[FILM_REPLICATES];
     uint32_t replicate;
+    uint64_t direct_paths, whitted_paths;
 };
 
 /* Light that has come this way: chain with the scattering at which a lamp was looked at, if one
@@ -86,6 +87,8 @@ static void follow(struct study_path *p, struct ray ray, struct eye *e)
         look(p, e, &chain);
         if (!study_path_scatter(p, p->bounce == 0, true, &ray))
             return;
+        e->direct_paths += chain.count > 0;
+        e->whitted_paths += chain.rough > 0;
         study_chain_add(&chain, p->path.pdf_w == 0);
     }
 }
@@ -124,15 +127,18 @@ bool study_eye(struct study *t)
 {
     struct eye e = {0};
     struct plan_light *to = &t->plan->light;
-    for (uint32_t i = 0; i < t->places; i++) {
+    const uint32_t places = plan_places(t->plan);
+    for (uint32_t i = 0; i < places; i++) {
         if (study_is_halted(t))
             return false;
         for (uint32_t k = 0; k < FILM_REPLICATES; k++)
             follow_from(t, study_place(t->stage, i, SALT), k, &e);
     }
-    to->eye_paths = (uint64_t)t->places * FILM_REPLICATES;
-    for (int c = 0; c < PLAN_CLASSES; c++)
+    to->eye_paths = (uint64_t)places * FILM_REPLICATES;
+    for (int c = 0; places > 0 && c < PLAN_CLASSES; c++)
         to->found[c] = e.found[c] / (double)to->eye_paths;
+    to->direct_paths = e.direct_paths;
+    to->whitted_paths = e.whitted_paths;
     share_of(e.beyond_direct, e.all, &to->beyond_direct, &to->beyond_direct_error);
     share_of(e.beyond_whitted, e.all, &to->beyond_whitted, &to->beyond_whitted_error);
     return true;

@@ -290,7 +290,8 @@ bool study_features(struct study *t)
     const struct stage_map *maps = stage_at(s, s->maps);
     for (uint32_t i = 0; i < s->maps.count; i++)
         look_at_map(s, &maps[i], f);
-    for (uint32_t i = 0; i < t->places; i++) {
+    const uint32_t places = plan_places(t->plan);
+    for (uint32_t i = 0; i < places; i++) {
         if (study_is_halted(t))
             return false;
         look_from(t, study_place(s, i, SALT), &sum);

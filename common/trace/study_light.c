@@ -12,7 +12,7 @@
 
 enum {
     SALT = 2,
-    PATHS_PER_PLACE = 64,
+    BETWEEN = 64,     /* looks at whether to stop: paths */
     SCATTERINGS = 32, /* of a path from a light */
     PANES = 16,       /* before the eye */
     ROULETTE_BEGIN = 3,
@@ -206,16 +206,16 @@ static void follow_from(struct study *t, const struct emitter *e, float flux, ui
 
 static bool trace(struct study *t, struct sources *from, double missed[])
 {
-    const uint32_t paths = t->places * PATHS_PER_PLACE;
+    const uint32_t paths = plan_light_paths(t->plan);
     for (uint32_t i = 0; i < paths; i++) {
-        if (i % PATHS_PER_PLACE == 0 && study_is_halted(t))
+        if (i % BETWEEN == 0 && study_is_halted(t))
             return false;
         const struct emitter *e = choose(t->stage, from, i, paths);
         if (flux_of(t->stage, e) > 0)
             follow_from(t, e, (float)from->flux, i, missed);
     }
     t->plan->light.light_paths = paths;
-    for (int c = 0; c < PLAN_CLASSES; c++)
+    for (int c = 0; paths > 0 && c < PLAN_CLASSES; c++)
         missed[c] /= paths;
     return true;
 }

@@ -13,7 +13,7 @@ struct study {
     const struct stage *stage;
     const struct study_halt *halt;
     struct plan *plan;
-    uint32_t places;       /* in the frame that are looked at; by study_rough */
+    struct stage *copy;    /* for other methods than the stage's own; NULL until one is tried */
     struct film_work work; /* that the study has taken */
 };
 
@@ -61,10 +61,10 @@ const struct material *study_path_material(struct study_path *);
 /* The next ray; first, may_end: as in struct path_draw. */
 bool study_path_scatter(struct study_path *, bool first, bool may_end, struct ray *);
 
-bool study_rough(struct study *, struct arena *scratch);
 bool study_features(struct study *);
 bool study_eye(struct study *);
 bool study_light(struct study *);
 bool study_pilots(struct study *, struct arena *scratch);
+bool study_outlook(struct study *, struct arena *scratch);
 
 #endif

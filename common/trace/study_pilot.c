@@ -1,338 +1,125 @@
-/* Pilots: what methods make of the same few pixels, by their own samples. Blocks of 2 x 2 pixels
- * here and there, so that what errors are relative to is a mean of four.
- * SPDX-License-Identifier: MIT */
-#include <string.h>
-
+/* Pilots: what methods make of the same few pixels. And the outlook: more of the one that was
+ * chosen, to say what its work will be. SPDX-License-Identifier: MIT */
 #include "common/trace/fmath.h"
-#include "common/trace/render.h"
-#include "common/trace/study_parts.h"
+#include "common/trace/study_shot.h"
 #include "common/trace/work.h"
 
 enum {
-    SALT = 4,
-    BLOCK = 2,
-    ROUGH_SPP = 8,
-    FIRST_SPP = 16, /* of a pilot: where its slope begins */
-    TAIL_PART = 50, /* one in so many pixels is of the tail */
-    MOST_TAIL = 128,
-    FIRST_BLOCKS = 16,
-    LEAST_PLACES = 16,
-    MOST_PLACES = 1024,
-    PLACE_SAMPLES = 24,
-    THIN = 3, /* of eight replicates, so few have found the light */
+    FIRST_BLOCKS = 8, /* of an outlook */
+    WIDE_BLOCKS = 64,
+    DEEP_SPP = 64,
 };
 
-/* Of the squared error over samples, log by log: what whole images of the corpus have from 8
- * samples to 1024 (bench_planner). A pilot's own slope, from 16 to 64, is twice as far from -1 as
- * what comes after. */
-#define ROUGH_SLOPE (-1.1)
-#define STEEPEST    (-1.5)
-
-#define STUDY_SHARE 0.005 /* of the samples that are expected */
-
-#define FLOOR 0.01 /* of the mean: relative to less than that no error counts (estimate.h) */
-
-struct pixel {
-    double replicate[FILM_REPLICATES][3]; /* means */
-    double early[3];                      /* squared error of the mean after FIRST_SPP */
-    double square[3];                     /* after all */
-    double mean[3];
-    double scale[3]; /* what squared errors are relative to */
-    double units;    /* of work */
-};
-
-struct shot {
-    struct pixel *pixels;
-    uint32_t count, blocks;
-    uint32_t spp;
-    struct film_work work;
-    const struct stage *stage;
-};
-
-static uint32_t block_side(uint32_t begin, uint32_t end)
+/* What a stage costs to be another method's: a copy. */
+static const struct stage *stage_of(struct study *t, enum plan_candidate_kind k,
+                                    struct arena *arena)
 {
-    return end - begin < BLOCK ? end - begin : BLOCK;
+    if (k == PLAN_PATH_MIS)
+        return t->stage;
+    if (!t->copy)
+        t->copy = study_stage(t->stage, arena);
+    study_set_method(t->copy, t->stage, plan_method_of(t->plan, k));
+    return t->copy;
 }
 
-static struct tile_rect square_rect(const struct stage *s, uint32_t i)
+static void count_work(struct study *t, const struct study_shot *shot)
 {
-    const struct scene_film *f = &s->film;
-    const struct study_place at = study_place(s, i, SALT);
-    const uint32_t w = block_side(f->crop_x_begin, f->crop_x_end);
-    const uint32_t h = block_side(f->crop_y_begin, f->crop_y_end);
-    const uint32_t x = min_u32(at.x_px, f->crop_x_end - w), y = min_u32(at.y_px, f->crop_y_end - h);
-    return (struct tile_rect){x, y, x + w, y + h};
+    t->plan->studied += (double)work_units(shot->stage, &shot->work);
 }
 
-/* Squared errors of the means of sums of so many samples, by the replicates. */
-static void judge(double sums[FILM_REPLICATES][3], uint32_t spp, double square[3], double mean[3])
-{
-    const double n = (double)spp / FILM_REPLICATES;
-    for (int c = 0; c < 3; c++) {
-        mean[c] = square[c] = 0;
-        for (int r = 0; r < FILM_REPLICATES; r++)
-            mean[c] += sums[r][c] / n / FILM_REPLICATES;
-        for (int r = 0; r < FILM_REPLICATES; r++) {
-            const double off = sums[r][c] / n - mean[c];
-            square[c] += off * off / (FILM_REPLICATES * (FILM_REPLICATES - 1));
-        }
-    }
-}
-
-/* The sums of a pass onto those of the pixels of its block. */
-static void take(struct pixel *to, const struct film_samples *from)
-{
-    const uint32_t pixels = tile_rect_pixels(from->rect);
-    for (uint32_t i = 0; i < pixels; i++)
-        for (uint32_t r = 0; r < FILM_REPLICATES; r++)
-            for (uint32_t c = 0; c < 3; c++)
-                to[i].replicate[r][c] += (double)from->sums[i * FILM_CHANNELS + 3 * r + c];
-}
-
-static void render(const struct stage *s, struct film_samples *samples, struct tile_pass pass,
-                   struct pixel *to)
-{
-    const size_t floats = (size_t)tile_rect_pixels(samples->rect) * FILM_CHANNELS;
-    samples->pass = pass;
-    memset(samples->sums, 0, floats * sizeof *samples->sums);
-    render_tile(s, samples);
-    take(to, samples);
-}
-
-static void shoot_block(struct shot *shot, struct film_samples *samples, uint32_t block)
-{
-    samples->rect = square_rect(shot->stage, block);
-    const uint32_t pixels = tile_rect_pixels(samples->rect);
-    struct pixel *to = shot->pixels + shot->count;
-    const uint64_t before = samples->work.units;
-    memset(to, 0, pixels * sizeof *to);
-    const uint32_t first = min_u32(FIRST_SPP, shot->spp);
-    render(shot->stage, samples, (struct tile_pass){0, first}, to);
-    for (uint32_t i = 0; i < pixels; i++)
-        judge(to[i].replicate, first, to[i].early, to[i].mean);
-    if (first < shot->spp)
-        render(shot->stage, samples, (struct tile_pass){first, shot->spp}, to);
-    for (uint32_t i = 0; i < pixels; i++) {
-        to[i].units = (double)(samples->work.units - before) / pixels;
-        judge(to[i].replicate, shot->spp, to[i].square, to[i].mean);
-        for (int r = 0; r < FILM_REPLICATES; r++)
-            for (int c = 0; c < 3; c++)
-                to[i].replicate[r][c] *= (double)FILM_REPLICATES / shot->spp;
-    }
-    shot->count += pixels;
-}
-
-static bool shoot(const struct study *t, const struct stage *s, struct shot *shot,
+static bool pilot(struct study *t, enum plan_candidate_kind k, const struct study_shot *usual,
                   struct arena *arena)
 {
-    const struct tile_rect most = {0, 0, BLOCK, BLOCK};
-    struct film_samples samples = film_samples_make(most, (struct tile_pass){0, 1}, arena);
-    shot->stage = s;
-    shot->count = 0;
-    if (!shot->pixels)
-        shot->pixels = arena_new(arena, struct pixel, (size_t)shot->blocks * BLOCK * BLOCK);
-    for (uint32_t i = 0; i < shot->blocks; i++) {
-        if (study_is_halted(t))
-            return false;
-        shoot_block(shot, &samples, i);
-    }
-    shot->work = samples.work;
-    return true;
-}
-
-/* --- what it says --- */
-
-/* Blocks have the same pixels in both shots. */
-static void set_scales(struct shot *shot)
-{
-    double mean = 0;
-    for (uint32_t i = 0; i < shot->count; i++)
-        for (int c = 0; c < 3; c++)
-            mean += shot->pixels[i].mean[c] / (3.0 * shot->count);
-    const uint32_t block = shot->count / shot->blocks;
-    for (uint32_t i = 0; i < shot->count; i++)
-        for (int c = 0; c < 3; c++) {
-            double y = 0;
-            for (uint32_t k = 0; k < block; k++)
-                y += shot->pixels[i - i % block + k].mean[c] / block;
-            const double scale = y * y + FLOOR * FLOOR * mean * mean;
-            shot->pixels[i].scale[c] = scale > 0 ? scale : 1; /* all is black, errors are 0 */
-        }
-}
-
-static double relative(const double square[3], const double scale[3])
-{
-    return square[0] / scale[0] + square[1] / scale[1] + square[2] / scale[2];
-}
-
-static bool is_thin(const struct pixel *p)
-{
-    double sum = 0, square = 0;
-    for (int r = 0; r < FILM_REPLICATES; r++) {
-        const double light = p->replicate[r][0] + p->replicate[r][1] + p->replicate[r][2];
-        sum += light;
-        square += light * light;
-    }
-    return square > 0 && sum * sum < THIN * square;
-}
-
-struct tail { /* the largest of many numbers, the least first */
-    double largest[MOST_TAIL];
-    uint32_t count, most;
-};
-
-static void tail_note(struct tail *t, double v)
-{
-    uint32_t at = 0;
-    if (t->count == t->most) {
-        if (v <= t->largest[0])
-            return;
-        memmove(t->largest, t->largest + 1, (t->count - 1) * sizeof v);
-        t->count--;
-    }
-    while (at < t->count && t->largest[at] < v)
-        at++;
-    memmove(t->largest + at + 1, t->largest + at, (t->count - at) * sizeof v);
-    t->largest[at] = v;
-    t->count++;
-}
-
-static double slope_of(double early, double late, uint32_t spp)
-{
-    if (!(early > 0) || !(late > 0) || spp <= FIRST_SPP)
-        return ROUGH_SLOPE;
-    const double measured = fmath_log2(late / early) / fmath_log2((double)spp / FIRST_SPP);
-    const double slope = -1 + 0.5 * (measured + 1);
-    return slope > -1 ? -1 : slope < STEEPEST ? STEEPEST : slope;
-}
-
-/* Errors are relative to what `usual` has found. */
-static struct plan_pilot sum_up(const struct shot *shot, const struct shot *usual)
-{
-    double all = 0, early = 0, worst = 0, units = 0;
-    uint32_t thin = 0;
-    struct tail tail = {.most = min_u32(shot->count / TAIL_PART + 1, MOST_TAIL)};
-    for (uint32_t i = 0; i < shot->count; i++) {
-        const double e = relative(shot->pixels[i].square, usual->pixels[i].scale);
-        all += e;
-        units += shot->pixels[i].units;
-        early += relative(shot->pixels[i].early, usual->pixels[i].scale);
-        thin += is_thin(&shot->pixels[i]);
-        tail_note(&tail, e);
-    }
-    for (uint32_t i = 0; i < tail.count; i++)
-        worst += tail.largest[i];
-    return (struct plan_pilot){
-        .variance = all / (3.0 * shot->count) * shot->spp,
-        .slope = slope_of(early, all, shot->spp),
-        .work = units / ((double)shot->count * shot->spp),
-        .tail = all > 0 ? worst / all : 0,
-        .thin = (double)thin / shot->count,
-    };
-}
-
-/* A document without an error says itself how many samples. */
-static double spp_for(const struct plan *plan, const struct plan_pilot *p, uint32_t spp)
-{
-    const double square = p->variance / spp / (plan->error * plan->error); /* times too large */
-    if (!plan->is_asked)
-        return plan->spp;
-    if (!(square > 0))
-        return FILM_REPLICATES;
-    const double doublings = fmath_log2(square) / -p->slope;
-    const double n = spp * fmath_exp2(doublings < 40 ? doublings > -40 ? doublings : -40 : 40);
-    return n < FILM_REPLICATES ? FILM_REPLICATES : n < plan->spp ? n : plan->spp;
-}
-
-/* --- the candidates --- */
-
-/* By the usual method. */
-static bool look(struct study *t, uint32_t blocks, struct arena *arena)
-{
-    struct shot shot = {.blocks = blocks, .spp = ROUGH_SPP};
-    if (!shoot(t, t->stage, &shot, arena))
-        return false;
-    set_scales(&shot);
-    struct plan_pilot p = sum_up(&shot, &shot);
-    p.slope = ROUGH_SLOPE;
-    t->plan->rough_variance = p.variance;
-    t->plan->rough_work = p.work;
-    t->plan->rough_spp = spp_for(t->plan, &p, ROUGH_SPP);
-    film_work_add(&t->work, &shot.work);
-    return true;
-}
-
-/* A study is to be small beside its job, so the job is looked at first: a place costs it about
- * PLACE_SAMPLES samples. */
-static uint32_t places_for(const struct plan *p)
-{
-    const double samples = p->rough_spp * (double)p->pixels;
-    const double fit = samples * STUDY_SHARE / PLACE_SAMPLES;
-    return fit < LEAST_PLACES ? LEAST_PLACES : fit < MOST_PLACES ? (uint32_t)fit : MOST_PLACES;
-}
-
-bool study_rough(struct study *t, struct arena *arena)
-{
-    if (!look(t, FIRST_BLOCKS, arena))
-        return false;
-    t->places = places_for(t->plan);
-    return t->places / 4 <= FIRST_BLOCKS || look(t, t->places / 4, arena);
-}
-
-static bool pilot(struct study *t, struct stage *copy, enum plan_candidate_kind k,
-                  struct shot *shot, const struct shot *usual, struct arena *arena)
-{
     struct plan_candidate *c = &t->plan->candidates[k];
-    study_set_method(copy, t->stage, plan_method_of(t->plan, k));
-    if (!shoot(t, copy, shot, arena))
+    struct study_shot shot;
+    study_shot_init(&shot, stage_of(t, k, arena), usual->blocks, arena);
+    if (!study_shot_go(&shot, t, usual->blocks, usual->spp))
         return false;
-    if (shot == usual)
-        set_scales(shot);
-    c->pilot = sum_up(shot, usual);
-    c->pilot.spp = spp_for(t->plan, &c->pilot, shot->spp);
+    c->pilot = study_shot_sum(&shot, usual);
     c->tried = true;
-    t->plan->studied += (double)work_units(copy, &shot->work);
+    count_work(t, &shot);
     return true;
-}
-
-/* What the usual method needs by its own pilot may be much less than was thought. So a quarter of
- * the pilot comes first, and says how large it may be. */
-static bool pilot_usual(struct study *t, struct stage *copy, struct shot *usual,
-                        struct arena *arena)
-{
-    struct plan *plan = t->plan;
-    const uint32_t most = plan->pilot_pixels / (BLOCK * BLOCK);
-    const uint32_t least = PLAN_LEAST_PIXELS / (BLOCK * BLOCK);
-    struct shot first = {.blocks = max_u32(most / 4, least), .spp = plan->pilot_spp};
-    uint32_t spp;
-    if (!pilot(t, copy, PLAN_PATH_MIS, &first, &first, arena))
-        return false;
-    *usual = first;
-    const uint32_t pixels = plan_fit(plan, plan->candidates[PLAN_PATH_MIS].pilot.spp, &spp);
-    const double fit = (double)pixels * spp / plan->pilot_spp / (BLOCK * BLOCK);
-    const double between = __builtin_sqrt(fit * most); /* either may be far off */
-    const uint32_t blocks = between < most ? (uint32_t)between : most;
-    if (blocks <= first.blocks)
-        return true;
-    *usual = (struct shot){.blocks = blocks, .spp = plan->pilot_spp};
-    return pilot(t, copy, PLAN_PATH_MIS, usual, usual, arena);
 }
 
 bool study_pilots(struct study *t, struct arena *arena)
 {
     struct plan *plan = t->plan;
-    struct shot usual;
+    struct study_shot usual;
     plan_consider(plan, t->stage->bytes <= STUDY_MOST_BYTES);
     if (plan->pilot_pixels == 0)
         return true;
-    struct stage *copy = study_stage(t->stage, arena);
-    if (!pilot_usual(t, copy, &usual, arena))
+    const uint32_t blocks = plan->pilot_pixels / (STUDY_BLOCK * STUDY_BLOCK);
+    study_shot_init(&usual, t->stage, blocks, arena);
+    if (!study_shot_go(&usual, t, blocks, STUDY_FIRST_SPP))
         return false;
-    plan->pilot_pixels = usual.count;
-    struct shot shot = {.blocks = usual.blocks, .spp = usual.spp};
-    for (int k = 0; k < PLAN_REAL; k++)
-        if (k != PLAN_PATH_MIS && plan_wants(plan, (enum plan_candidate_kind)k) &&
-            !pilot(t, copy, (enum plan_candidate_kind)k, &shot, &usual, arena))
+    study_shot_scale(&usual);
+    plan->candidates[PLAN_PATH_MIS].pilot = study_shot_sum(&usual, &usual);
+    plan->candidates[PLAN_PATH_MIS].tried = true;
+    count_work(t, &usual);
+    for (int k = 0; k < PLAN_PATH_MIS; k++)
+        if (plan_wants(plan, (enum plan_candidate_kind)k) &&
+            !pilot(t, (enum plan_candidate_kind)k, &usual, arena))
             return false;
+    return true;
+}
+
+/* --- the outlook --- */
+
+/* Samples of a pixel to the target, by the outlook. A document without an error says it itself. */
+static double spp_to_target(const struct plan *plan)
+{
+    const struct plan_pilot *p = &plan->outlook;
+    const double square = p->variance / p->spp / (plan->error * plan->error); /* too large by */
+    if (!plan->is_asked)
+        return plan->spp;
+    if (!(square > 0))
+        return FILM_REPLICATES;
+    const double doublings = fmath_log2(square) / -p->slope;
+    const double n = p->spp * fmath_exp2(doublings < 40 ? doublings > -40 ? doublings : -40 : 40);
+    return n < FILM_REPLICATES ? FILM_REPLICATES : n < plan->spp ? n : plan->spp;
+}
+
+/* Whether the job, by what is known of it, lets the outlook take so many samples. */
+static bool may_take(const struct plan *plan, double samples)
+{
+    return samples <= PLAN_OUTLOOK_SHARE * spp_to_target(plan) * (double)plan->pixels;
+}
+
+/* What would tell more, if the job is large enough for it: first wide, since noise may be in a few
+ * pixels, then deep, since it may be in a few samples, then wider again. False: nothing. */
+static bool widen_or_deepen(const struct plan *plan, const struct study_shot *shot,
+                            uint32_t *blocks, uint32_t *spp)
+{
+    *blocks = shot->blocks;
+    *spp = shot->spp;
+    if (shot->blocks >= WIDE_BLOCKS && shot->spp < DEEP_SPP &&
+        may_take(plan, (double)shot->count * DEEP_SPP))
+        *spp = DEEP_SPP;
+    else if (2 * shot->blocks <= STUDY_BLOCKS && may_take(plan, 2.0 * shot->count * shot->spp))
+        *blocks = 2 * shot->blocks;
+    else
+        return false;
+    return true;
+}
+
+bool study_outlook(struct study *t, struct arena *arena)
+{
+    struct plan *plan = t->plan;
+    struct study_shot shot;
+    const double first =
+        PLAN_OUTLOOK_SHARE * FILM_REPLICATES * (double)plan->pixels / STUDY_FIRST_SPP;
+    uint32_t spp = STUDY_FIRST_SPP;
+    uint32_t blocks = first < FIRST_BLOCKS * STUDY_BLOCK * STUDY_BLOCK
+                          ? max_u32((uint32_t)first / (STUDY_BLOCK * STUDY_BLOCK), 1)
+                          : FIRST_BLOCKS;
+    study_shot_init(&shot, stage_of(t, plan->chosen, arena), STUDY_BLOCKS, arena);
+    do {
+        if (!study_shot_go(&shot, t, blocks, spp))
+            return false;
+        study_shot_scale(&shot);
+        plan->outlook = study_shot_sum(&shot, &shot);
+    } while (plan->is_asked && widen_or_deepen(plan, &shot, &blocks, &spp));
+    count_work(t, &shot);
+    plan_forecast(plan, spp_to_target(plan));
     return true;
 }
