@@ -110,8 +110,8 @@ static double units_to(const struct even_curve *c, double error2)
 }
 
 struct tally {
-    double logs, least, most; /* of gains */
-    uint32_t count;
+    double logs, least;     /* of gains */
+    uint32_t count, gained; /* all; those of 1.5 and more */
 };
 
 static void say(const struct adapt *a, double target, bool met, const struct even_curve *c,
@@ -172,7 +172,7 @@ static void run(const char *name, uint32_t wanted, struct tally *all)
         return;
     all->logs += t.logs / t.count;
     all->least = all->count++ == 0 || t.least < all->least ? t.least : all->least;
-    all->most += exp(t.logs / t.count) >= 1.5;
+    all->gained += exp(t.logs / t.count) >= 1.5;
 }
 
 int main(int argc, char **argv)
@@ -189,7 +189,7 @@ int main(int argc, char **argv)
         run(even[i], wanted, &e);
     for (int i = 1; i < argc; i++)
         run(argv[i], wanted, &m);
-    printf("%u scenes: %.0f with a gain of 1.5, mean %.2f, least %.2f\n", m.count, m.most,
+    printf("%u scenes: %u with a gain of 1.5, mean %.2f, least %.2f\n", m.count, m.gained,
            exp(m.logs / m.count), m.least);
     if (e.count)
         printf("%u even ones: mean %.2f, least %.2f (1 / 1.05 = .95)\n", e.count,
