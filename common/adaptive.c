@@ -16,6 +16,8 @@ enum { EIGHTHS = 8, STEP_SPP = 256, PILOT = 2 }; /* PILOT: the index of its roun
  * four of a hundred stopped blocks were off by more than 1.2 of the target; at 1.1 half as many,
  * for no more work. */
 static const double slack = 1.21;
+/* Work that the best allocation could save: below that nothing stops. */
+static const double worthwhile = 1.05;
 /* What the round before must have foretold: a tenth more error, as a square. */
 static const double foretold = 1.21;
 
@@ -197,15 +199,17 @@ static double noise_around(const struct adaptive *a, size_t at)
 static void settle(struct adaptive *a)
 {
     const struct adaptive_block *pilot = round_of(a, PILOT);
-    double lit = 0, sum = 0;
+    double lit = 0, sum = 0, square = 0;
     for (size_t i = 0; i < a->count; i++) {
         const double d = noise_around(a, i);
         lit += pilot[i].neff != 0 && isfinite(pilot[i].neff);
         sum += pixels_of(a, i) * d;
+        square += pixels_of(a, i) * d * d;
         a->share[i] = sane(d);
     }
     const double shared = ADAPTIVE_LEAST_NEFF / (lit > 1 ? lit : 1);
-    const double mean = sum / tile_rect_pixels(a->window);
+    const double pixels = tile_rect_pixels(a->window), mean = sum / pixels;
+    a->even = mean > 0 && square / pixels < worthwhile * mean * mean;
     a->need = shared > EVIDENCE_LEAST ? shared : EVIDENCE_LEAST;
     for (size_t i = 0; i < a->count; i++)
         a->share[i] = (double)a->share[i] < mean ? (float)((double)a->share[i] / mean) : 1;
@@ -255,7 +259,7 @@ static void follow(struct adaptive *a, uint32_t round)
 {
     if (round == PILOT)
         settle(a);
-    if (!(a->target > 0) || round < PILOT)
+    if (!(a->target > 0) || round < PILOT || a->even)
         return;
     for (size_t i = 0; i < a->count; i++)
         if (a->content[i] == ADAPTIVE_NEVER && becomes_content(a, round, i))

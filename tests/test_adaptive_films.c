@@ -21,7 +21,7 @@ enum kind {
     KIND_BLACK,
     KINDS,
     KIND_EVEN, /* sqrt(1/48) of itself */
-    KIND_LAMP  /* F-35: one sample in 200 */
+    KIND_LAMP  /* F-35: one sample in 200, nine in 10 from column 32 on */
 };
 
 /* Blocks of random kinds and noise; a sample is a function of pixel and pass. */
@@ -34,6 +34,8 @@ static enum kind kind_of(const struct field *f, uint32_t x, uint32_t y, double *
 {
     struct dice d = dice_make(f->seed * 1000003 + (x >> 3) * 1009 + (y >> 3));
     *noise = exp(dice_range(&d, -4, .5));
+    if (f->of == KIND_LAMP)
+        *noise = x < 32 ? 1 / 200. : .9;
     return f->of == KINDS ? (enum kind)(dice_unit(&d) * KINDS) : f->of;
 }
 
@@ -52,7 +54,7 @@ static double draw(enum kind kind, double noise, struct dice *d)
     case KIND_EVEN:
         return 1 + .5 * (u - .5);
     case KIND_LAMP:
-        return u < 1 / 200. ? 200 : 0;
+        return u < noise ? 1 / noise : 0;
     case KIND_DARK:
     case KIND_BLACK:
     case KINDS:
@@ -242,6 +244,6 @@ int main(void)
     darkness();
     rare_light((struct tile_rect){0, 0, 8, 8}, 1, 1024);
     rare_light((struct tile_rect){0, 0, 1, 1}, 1, 1024);
-    rare_light((struct tile_rect){2, 1, 34, 25}, .5, max_u32(stat_tries(32, 1024), 16));
+    rare_light((struct tile_rect){0, 1, 64, 33}, .5, max_u32(stat_tries(16, 1024), 16));
     return tap_done();
 }
