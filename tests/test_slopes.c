@@ -1,5 +1,8 @@
 /* How fast errors fall (ACCURACY 5.5): of the samplers' points on integrands whose rate is known,
- * and with TEST_LONG=1 of whole scenes, as `smalti chart` measures them.
+ * and with TEST_LONG=1 of whole scenes, by their repeats and as `smalti chart` measures them.
+ *
+ *     test_slopes        the quick tier, or with TEST_LONG=1 the long one
+ *     test_slopes N...   scenes N of the planner's corpus
  *
  * D. Mitchell, "Consequences of Stratified Sampling in Graphics", SIGGRAPH 1996: with an edge the
  * error squared of spread points goes with n^(-3/2). A. Owen, "Scrambled Net Variance for Integrals
@@ -9,9 +12,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bench/corpus.h"
 #include "client/chart.h"
 #include "common/scene_disk.h"
 #include "common/trace/sampler.h"
+#include "tests/repeats.h"
 #include "tests/stat/stat.h"
 #include "tests/tap.h"
 
@@ -140,10 +145,69 @@ static void of_scene(const char *path)
     arena_release(&arena);
 }
 
-int main(void)
+/* The first is the least at which every replicate has points that share no camera ray: samples 8 to
+ * 15 go along the rays of 0 to 7 (rng.h), and bring that much less. */
+enum { LEVELS = 6, WIDTH_PX = 24, HEIGHT_PX = 18 };
+
+/* A repeat's error at all amounts of samples, against the mean of the others: no reference has to
+ * be made, and none has a floor. */
+static void fill_curve(const struct repeats *r, struct curve *c)
 {
+    *c = (struct curve){.points = r->levels, .runs = r->count};
+    for (uint32_t l = 0; l < r->levels; l++) {
+        c->work[l] = r->spp[l];
+        for (uint32_t i = 0; i < r->count; i++)
+            c->error[l][i] = repeats_relmse(r, l, i);
+    }
+}
+
+static double heavy_part(const struct repeats *r)
+{
+    double heavy = 0;
+    for (uint32_t i = 0; i < r->count; i++)
+        for (size_t p = 0; p < r->pixels; p++)
+            heavy += r->look[r->levels - 1][i].verdict[p] == EVIDENCE_HEAVY;
+    return heavy / ((double)r->count * (double)r->pixels);
+}
+
+static void of_whole(uint32_t scene)
+{
+    static struct repeats r;
+    static struct curve c;
+    struct scenes s;
+    if (!corpus_make(scene, &s)) {
+        diag("%s: left out, its files are not here", corpus_name(scene));
+        return;
+    }
+    s.scene.film.width_px = s.scene.film.crop_x_end = WIDTH_PX;
+    s.scene.film.height_px = s.scene.film.crop_y_end = HEIGHT_PX;
+    r = (struct repeats){
+        .count = REPEATS_MOST, .levels = LEVELS, .spp = {32, 64, 128, 256, 512, 1024}};
+    repeats_make(&r, scenes_stage(&s));
+    fill_curve(&r, &c);
+    const struct curve_value slope = curve_slope(&c, 0, LEVELS);
+    const double heavy = heavy_part(&r);
+    ok(heavy > .05 || (slope.at <= -1.05 && slope.at >= -1.6),
+       "Owen-Sobol, %s: %.2f (%.2f to %.2f)%s", corpus_name(scene), slope.at, slope.low, slope.high,
+       heavy > .05 ? ", flagged" : "");
+    repeats_release(&r);
+    scenes_release(&s);
+}
+
+/* Of the corpus: rooms with lamps of all sizes, by glass, by a point, by walls that shine, a dome,
+ * a soft box, the Cornell box, many lights. */
+static const uint32_t whole[] = {0, 2, 5, 9, 10, 11, 16, 26, 28};
+
+int main(int argc, char **argv)
+{
+    for (int i = 1; i < argc; i++)
+        of_whole((uint32_t)atoi(argv[i]));
+    if (argc > 1)
+        return tap_done();
     of_points();
     if (stat_is_long() && STAT_SLOW == 1) {
+        for (size_t i = 0; i < countof(whole); i++)
+            of_whole(whole[i]);
         of_scene("scenes/cornell-box.json");
         of_scene("scenes/glass-and-metal.json");
         of_scene("scenes/many-lights.json");
