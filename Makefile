@@ -10,6 +10,7 @@
 # make bench-render [BASE=commit]    whole images against a former commit
 # make bench-examples [BASE=commit]  the scenes of scenes/ against a former commit
 # make bench-planner               does the planner choose well? (ARGS=--quick: a fifth of the work)
+# make bench-adaptive              samples where they are needed against samples everywhere (ARGS=--quick)
 # make bench-cycles                  whole images against Blender's Cycles
 # make charts                        error against work, each method: docs/charts/ (CHARTS=scenes, ARGS=flags)
 # MODE=release|debug|asan|tsan|coverage|fuzz    CC=gcc|clang    WERROR=1    J=jobs at once
@@ -67,7 +68,7 @@ TOOLS  := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/tool_*.c))
 FUZZ   := $(patsubst tests/%.c,$(B)/%,$(wildcard tests/fuzz_*.c))
 
 .PHONY: all tests demo pictures gallery check check-unit check-rules check-e2e check-long mutants bench bench-rays bench-accel bench-render \
-	bench-examples bench-cycles bench-planner charts fuzz fuzz-run install clean
+	bench-examples bench-cycles bench-planner bench-adaptive charts fuzz fuzz-run install clean
 .SECONDARY:
 .DELETE_ON_ERROR:
 
@@ -188,6 +189,8 @@ bench-render: all $(B)/tool_local
 bench-examples: all $(B)/tool_local
 	BIN=$(B) BASE=$(BASE) python3 bench/bench_examples.py
 bench-planner: $(B)/bench_planner
+	$< $(ARGS)
+bench-adaptive: $(B)/bench_adaptive
 	$< $(ARGS)
 bench-cycles: all $(B)/tool_local
 	BIN=$(B) python3 bench/bench_cycles.py

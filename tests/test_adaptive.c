@@ -107,8 +107,9 @@ static void allocation(void)
     start(&a, 8, 1, .1);
     write_down(&a, b);
     write_down(&a, b);
-    near(a.share[0], 1e-3 / mean, 1e-6, "a quiet block's share goes as the root of its noise");
-    near(a.share[2], sqrt((1 + 2e-6) / 3) / mean, 1e-6, "with its neighbours'");
+    near((double)a.share[0], 1e-3 / mean, 1e-6,
+         "a quiet block's share goes as the root of its noise");
+    near((double)a.share[2], sqrt((1 + 2e-6) / 3) / mean, 1e-6, "with its neighbours'");
     ok(a.share[4] == 1, "and a noisy one's is no more than the target");
     adaptive_aim(&a, 1.001 * sqrt(1e-6 * mean / 1e-3));
     ok(a.content[0] == 2, "within its share it is content");

@@ -17,7 +17,7 @@
 #include "tests/stat/stat.h"
 #include "tests/tap.h"
 
-enum { TARGETS = 3, QUICK_SPP = 256, LONG_SPP = 2048, WILD_SPP = 1024, WILD_SCENES = 24 };
+enum { TARGETS = 3, QUICK_SPP = 128, LONG_SPP = 2048, WILD_SPP = 1024, WILD_SCENES = 24 };
 
 static const double targets[TARGETS] = {.1, .03, .01};
 
