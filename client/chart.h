@@ -58,7 +58,8 @@ struct chart_point {
     uint32_t spp;
     struct curve_value error; /* relMSE */
     double trimmed;           /* without one pixel in a thousand */
-    double unknown, heavy;    /* shares of a run's pixels, of the runs' mean: evidence.h */
+    double unknown, heavy;    /* shares of a run's pixels, of the runs' mean: few effective
+                               * samples, heavy tails (evidence.h) */
     bool tail;                /* one pixel in a thousand, or one run, has most of the error */
     bool near_floor;          /* within three times of the reference's noise */
 };

@@ -68,7 +68,7 @@ static void go(struct chart_run *r, struct copy *copy, struct arena *scratch)
     r->seconds = (double)(clock_thread_cpu_us() - begin) * 1e-6;
     r->work = film.work;
     const struct evidence e = evidence_make(&film, scratch);
-    r->unknown = e.unknown;
+    r->unknown = e.few;
     r->heavy = e.heavy;
     for (size_t i = 0; i < tile_rect_pixels(window); i++)
         film_mean(&film, i, r->image + 3 * i);

@@ -15,8 +15,9 @@ struct chart_run {
     double *image; /* [pixel of the crop][rgb]: the caller's, filled with the means */
     /* Filled: */
     struct film_work work;
-    double unknown, heavy; /* shares of its pixels whose error bars mean nothing: evidence.h */
-    double seconds;        /* CPU */
+    double unknown,
+        heavy;      /* shares of its pixels: few effective samples, heavy tails; evidence.h */
+    double seconds; /* CPU */
 };
 
 struct chart_crew {

@@ -27,6 +27,7 @@ int cmd_status(int argc, char *const *args);
 int cmd_watch(int argc, char *const *args);
 int cmd_fetch(int argc, char *const *args);
 int cmd_cancel(int argc, char *const *args);
+int cmd_continue(int argc, char *const *args);
 int cmd_check(int argc, char *const *args);
 int cmd_replay(int argc, char *const *args);
 int cmd_plan(int argc, char *const *args);

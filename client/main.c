@@ -18,6 +18,7 @@ static const char usage[] =
     "  watch ID           follow a job until it ends\n"
     "  fetch ID           its image so far\n"
     "  cancel ID          end it; its image so far stays\n"
+    "  continue ID        take a job that is done on to a smaller error or more samples\n"
     "  replay ID X,Y N    trace one sample of it again, and say where its path went\n"
     "\n"
     "Files:\n"
@@ -37,9 +38,11 @@ static const struct {
     const char *name;
     int (*run)(int argc, char *const *args);
 } commands[] = {
-    {"render", cmd_render}, {"submit", cmd_submit}, {"status", cmd_status}, {"watch", cmd_watch},
-    {"fetch", cmd_fetch},   {"cancel", cmd_cancel}, {"check", cmd_check},   {"plan", cmd_plan},
-    {"diff", cmd_diff},     {"digest", cmd_digest}, {"chart", cmd_chart},   {"replay", cmd_replay},
+    {"render", cmd_render},     {"submit", cmd_submit}, {"status", cmd_status},
+    {"watch", cmd_watch},       {"fetch", cmd_fetch},   {"cancel", cmd_cancel},
+    {"check", cmd_check},       {"plan", cmd_plan},     {"diff", cmd_diff},
+    {"digest", cmd_digest},     {"chart", cmd_chart},   {"replay", cmd_replay},
+    {"continue", cmd_continue},
 };
 
 int main(int argc, char **argv)

@@ -143,10 +143,12 @@ static bool read_job(const json_t *root, struct remote_job *job, struct err *err
         .cpu_seconds = number_or(root, "cpu_seconds", 0),
         .spp = (uint32_t)whole(root, "spp"),
         .target_spp = (uint32_t)whole(json_object_get(root, "target"), "spp"),
+        .target_error = number_or(json_object_get(root, "target"), "error", 0),
         .workers = (uint32_t)whole(root, "workers"),
         .samples = whole(root, "samples"),
         .invalid_samples = whole(json_object_get(root, "invalid_samples"), "count"),
     };
+    copy(job->ended_by, sizeof job->ended_by, root, "ended_by");
     read_report(json_object_get(root, "report"), job);
     copy(job->id, sizeof job->id, root, "id");
     copy(job->title, sizeof job->title, root, "title");
@@ -203,6 +205,36 @@ bool remote_cancel(struct remote *r, const char *id, struct remote_job *job, str
         return false;
     buf_release(&reply.body);
     return remote_look(r, id, etag, &changed, job, NULL, err);
+}
+
+static char *target_text(const struct remote_target *t)
+{
+    json_t *target = json_object();
+    if (t->error > 0)
+        json_object_set_new(target, "error", json_real(t->error));
+    if (t->spp)
+        json_object_set_new(target, "spp", json_integer(t->spp));
+    json_t *root = json_pack("{s:o}", "target", target);
+    char *text = json_dumps(root, JSON_COMPACT);
+    json_decref(root);
+    return text;
+}
+
+bool remote_continue(struct remote *r, const char *id, const struct remote_target *target,
+                     struct err *err)
+{
+    char path[64], *text = target_text(target);
+    snprintf(path, sizeof path, "/v1/jobs/%s", id);
+    struct http_client_request request = simple("PATCH", path);
+    request.content_type = "application/json";
+    request.body = text;
+    request.body_bytes = strlen(text);
+    struct http_client_reply reply;
+    const bool good = call(r, request, &reply, err);
+    if (good)
+        buf_release(&reply.body);
+    free(text);
+    return good;
 }
 
 bool remote_look(struct remote *r, const char *id, char etag[80], bool *changed,

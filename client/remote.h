@@ -38,9 +38,16 @@ struct remote_job {
     double eta_seconds; /* < 0: not known */
     double elapsed_seconds, cpu_seconds;
     uint32_t spp, target_spp, workers;
+    double target_error; /* 0: none */
+    char ended_by[16];   /* the target that did; "" before */
     uint64_t samples, invalid_samples;
     char digest[HASH_HEX]; /* of the finished image; "" before */
     char failure[512];     /* "" unless it failed */
+};
+
+struct remote_target { /* of a job that is done; at least one is given */
+    double error;      /* 0: none */
+    uint32_t spp;      /* 0: none */
 };
 
 enum { REMOTE_CURVE = 512 };
@@ -69,6 +76,8 @@ bool remote_submit(struct remote *, const char *document, size_t bytes, int32_t 
                    struct remote_job *job, struct buf *json, struct err *) MUST_CHECK;
 bool remote_cancel(struct remote *, const char *id, struct remote_job *job,
                    struct err *) MUST_CHECK;
+bool remote_continue(struct remote *, const char *id, const struct remote_target *,
+                     struct err *) MUST_CHECK;
 /* etag: in and out, "" at first; *changed false: as before, `job` is untouched. */
 bool remote_look(struct remote *, const char *id, char etag[80], bool *changed,
                  struct remote_job *job, struct buf *json, struct err *) MUST_CHECK;

@@ -92,14 +92,27 @@ enum watch_event watch_run(struct watch *w, struct err *err)
     return event;
 }
 
+/* A cap came first: what was reached instead. */
+static void say_target(const struct remote_job *job)
+{
+    if (job->target_error > 0 && *job->ended_by && strcmp(job->ended_by, "error") &&
+        !(job->error <= job->target_error))
+        fprintf(stderr,
+                "smalti: error %.3g reached, %.3g was asked for: ended by its %s, with %u samples "
+                "per pixel\n",
+                job->error, job->target_error, job->ended_by, job->spp);
+}
+
 int watch_verdict(const struct watch *w)
 {
     const struct remote_job *job = &w->job;
     if (job->invalid_samples)
         fprintf(stderr, "smalti: %llu samples were not finite and count as black\n",
                 (unsigned long long)job->invalid_samples);
-    if (job->state == REMOTE_DONE)
+    if (job->state == REMOTE_DONE) {
+        say_target(job);
         return CMD_OK;
+    }
     fprintf(stderr, "smalti: job %s %s%s%s\n", job->id, remote_state_name(job->state),
             *job->failure ? ": " : "", job->failure);
     return CMD_FAILED;

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "common/block.h"
 
+#include <assert.h>
+#include <string.h>
+
 struct tile_rect block_rect_of(struct tile_rect r, size_t i)
 {
     const uint32_t columns = block_columns(r);
@@ -32,4 +35,61 @@ double block_variance(const struct block *b, double n)
 {
     const double mean = b->sum / n, v = b->square / n - mean * mean;
     return v > 0 ? v : 0;
+}
+
+struct block_set block_set_all(size_t count)
+{
+    assert(count <= BLOCK_SET_MAX);
+    struct block_set s = {0};
+    for (size_t i = 0; i < count / 64; i++)
+        s.bits[i] = UINT64_MAX;
+    if (count % 64)
+        s.bits[count / 64] = (UINT64_C(1) << count % 64) - 1;
+    return s;
+}
+
+size_t block_set_count(const struct block_set *s)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < countof(s->bits); i++)
+        n += (size_t)__builtin_popcountll(s->bits[i]);
+    return n;
+}
+
+bool block_set_equal(const struct block_set *a, const struct block_set *b)
+{
+    return !memcmp(a->bits, b->bits, sizeof a->bits);
+}
+
+bool block_set_within(const struct block_set *part, const struct block_set *whole)
+{
+    for (size_t i = 0; i < countof(part->bits); i++)
+        if (part->bits[i] & ~whole->bits[i])
+            return false;
+    return true;
+}
+
+void block_set_print(const struct block_set *s, size_t count, char hex[BLOCK_SET_HEX])
+{
+    const size_t digits = (count + 3) / 4;
+    for (size_t k = 0; k < digits; k++) {
+        uint32_t four = 0;
+        for (size_t i = 0; i < 4; i++)
+            four = four << 1 | block_set_has(s, 4 * k + i);
+        hex[k] = "0123456789abcdef"[four];
+    }
+    hex[digits] = '\0';
+}
+
+bool block_set_parse(struct block_set *s, size_t count, const char *hex)
+{
+    static const char digits[] = "0123456789abcdef";
+    const struct block_set all = block_set_all(count);
+    *s = (struct block_set){0};
+    if (strlen(hex) != (count + 3) / 4 || strspn(hex, digits) != strlen(hex))
+        return false;
+    for (size_t i = 0; i < 4 * strlen(hex); i++)
+        if ((size_t)(strchr(digits, hex[i / 4]) - digits) >> (3 - i % 4) & 1)
+            block_set_add(s, i);
+    return block_set_count(s) > 0 && block_set_within(s, &all);
 }

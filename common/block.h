@@ -8,8 +8,12 @@
  *
  * x is the luminance of a sample as it enters the image, but for the sign and gain of the pixel's
  * filter: never negative. A block's samples are added in the order of (y, x, sample), blocks of
- * passes in the order of passes, in double and without any rounding in between (P1). Pure
- * functions; no allocation. SPDX-License-Identifier: MIT */
+ * passes in the order of passes, in double and without any rounding in between (P1).
+ *
+ * A block is also the least of a tile that can be rendered without the rest of it: a block_set says
+ * which of a tile's.
+ *
+ * Pure functions; no allocation. SPDX-License-Identifier: MIT */
 #ifndef COMMON_BLOCK_H
 #define COMMON_BLOCK_H
 
@@ -63,5 +67,36 @@ void block_merge(struct block *, const struct block *more);
 
 /* Of one of n samples. */
 double block_variance(const struct block *, double n);
+
+enum {
+    BLOCK_SET_MAX = (TILE_MAX_PX / BLOCK_PX) * (TILE_MAX_PX / BLOCK_PX),
+    BLOCK_SET_HEX = BLOCK_SET_MAX / 4 + 1, /* with the final 0 */
+};
+
+/* Blocks of a rectangle of at most BLOCK_SET_MAX: bit i % 64 of word i / 64 is block i, row by row.
+ * Bits beyond the last block are 0. */
+struct block_set {
+    uint64_t bits[BLOCK_SET_MAX / 64];
+};
+
+static inline bool block_set_has(const struct block_set *s, size_t i)
+{
+    return s->bits[i / 64] >> i % 64 & 1;
+}
+
+static inline void block_set_add(struct block_set *s, size_t i)
+{
+    s->bits[i / 64] |= UINT64_C(1) << i % 64;
+}
+
+struct block_set block_set_all(size_t count); /* blocks [0, count) */
+size_t block_set_count(const struct block_set *);
+bool block_set_equal(const struct block_set *, const struct block_set *);
+bool block_set_within(const struct block_set *part, const struct block_set *whole);
+
+/* As text: a hex digit for every four of `count` blocks, rounded up, the first of the four in its
+ * highest bit. Parsing takes nothing else, and no empty set. */
+void block_set_print(const struct block_set *, size_t count, char hex[BLOCK_SET_HEX]);
+bool block_set_parse(struct block_set *, size_t count, const char *hex);
 
 #endif

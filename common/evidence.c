@@ -200,14 +200,24 @@ static void judge_regions(const struct film *f, struct evidence *e, struct arena
 struct evidence evidence_make(const struct film *f, struct arena *arena)
 {
     const size_t count = block_count(f->window);
-    struct evidence e = {block_columns(f->window), block_rows(f->window),
-                         arena_new(arena, struct evidence_block, count), 0, 0};
+    struct evidence e = {block_columns(f->window),
+                         block_rows(f->window),
+                         arena_new(arena, struct evidence_block, count),
+                         0,
+                         0,
+                         0};
     for (size_t i = 0; i < count; i++)
         e.blocks[i] = judge(f, i);
     judge_regions(f, &e, arena);
+    evidence_bars_judge(f, &e, arena);
     double pixels[EVIDENCE_HEAVY + 1] = {0};
-    for (size_t i = 0; i < count; i++)
-        pixels[e.blocks[i].verdict] += tile_rect_pixels(block_rect_of(f->window, i));
+    for (size_t i = 0; i < count; i++) {
+        const struct evidence_block *b = &e.blocks[i];
+        const double here = tile_rect_pixels(block_rect_of(f->window, i));
+        pixels[b->verdict] += here;
+        if (b->verdict == EVIDENCE_UNKNOWN && !(b->neff >= EVIDENCE_LEAST))
+            e.few += here / tile_rect_pixels(f->window);
+    }
     e.unknown = pixels[EVIDENCE_UNKNOWN] / tile_rect_pixels(f->window);
     e.heavy = pixels[EVIDENCE_HEAVY] / tile_rect_pixels(f->window);
     return e;

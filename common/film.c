@@ -36,6 +36,43 @@ void film_samples_add_layers(struct film_samples *s, uint32_t layers, struct are
         s->layer_sums = arena_new(arena, float, tile_rect_pixels(s->rect) * channels);
 }
 
+void film_samples_restrict(struct film_samples *s, const struct block_set *active)
+{
+    const struct block_set all = block_set_all(block_count(s->rect));
+    assert(block_set_count(active) > 0 && block_set_within(active, &all));
+    s->partial = !block_set_equal(active, &all);
+    s->active = s->partial ? *active : (struct block_set){0};
+}
+
+bool film_samples_run(const struct film_samples *s, uint32_t y_px, uint32_t *x_begin,
+                      uint32_t *x_end)
+{
+    const struct tile_rect r = s->rect;
+    *x_end = r.x_end;
+    if (!s->partial)
+        return *x_begin < r.x_end;
+    const uint32_t columns = block_columns(r), row = (y_px - r.y_begin) / BLOCK_PX * columns;
+    uint32_t i = (*x_begin - r.x_begin + BLOCK_PX - 1) / BLOCK_PX;
+    while (i < columns && !block_set_has(&s->active, row + i))
+        i++;
+    if (i == columns)
+        return false;
+    *x_begin = r.x_begin + i * BLOCK_PX;
+    while (i < columns && block_set_has(&s->active, row + i))
+        i++;
+    *x_end = min_u32(r.x_begin + i * BLOCK_PX, r.x_end);
+    return true;
+}
+
+uint32_t film_samples_pixels(const struct film_samples *s)
+{
+    uint32_t pixels = tile_rect_pixels(s->rect);
+    for (size_t i = 0; s->partial && i < block_count(s->rect); i++)
+        if (!block_set_has(&s->active, i))
+            pixels -= tile_rect_pixels(block_rect_of(s->rect, i));
+    return pixels;
+}
+
 void film_samples_note_invalid(struct film_samples *s, struct film_key key)
 {
     s->invalid_count++;
@@ -156,8 +193,9 @@ static void merge_blocks(struct film *f, const struct film_samples *s)
     const uint32_t columns = block_columns(r), stride = block_columns(w);
     for (uint32_t j = 0; j < block_rows(r); j++)
         for (uint32_t i = 0; i < columns; i++)
-            merge_block(f, (size_t)(y / BLOCK_PX + j) * stride + x / BLOCK_PX + i,
-                        &s->blocks[(size_t)j * columns + i], s->pass.s_end);
+            if (film_samples_has(s, (size_t)j * columns + i))
+                merge_block(f, (size_t)(y / BLOCK_PX + j) * stride + x / BLOCK_PX + i,
+                            &s->blocks[(size_t)j * columns + i], s->pass.s_end);
 }
 
 static bool key_before(struct film_key a, struct film_key b)
@@ -184,23 +222,30 @@ static void keep_key(struct film *f, struct film_key key)
     f->key_count = last + 1;
 }
 
+/* Pixels [x_begin, x_end) of a row. */
+static void merge_run(struct film *f, const struct film_samples *s, uint32_t y, uint32_t x_begin,
+                      uint32_t x_end)
+{
+    const struct tile_rect w = f->window, r = s->rect;
+    const uint32_t channels = layers_channels(s->layers);
+    size_t to = (size_t)(y - w.y_begin) * (w.x_end - w.x_begin) + (x_begin - w.x_begin);
+    size_t from = (size_t)(y - r.y_begin) * (r.x_end - r.x_begin) + (x_begin - r.x_begin);
+    for (uint32_t x = x_begin; x < x_end; x++, to++, from++) {
+        merge_pixel(f, to, s->sums + from * FILM_CHANNELS, s->pass);
+        if (channels)
+            merge_layers(f->layer + to * channels, s->layer_sums + from * channels, channels);
+    }
+}
+
 void film_merge(struct film *f, const struct film_samples *s)
 {
     const struct tile_rect w = f->window, r = s->rect;
     assert(r.x_begin >= w.x_begin && r.x_end <= w.x_end);
     assert(r.y_begin >= w.y_begin && r.y_end <= w.y_end);
     assert(s->layers == f->layers);
-    const size_t width = w.x_end - w.x_begin, channels = layers_channels(s->layers);
-    const float *sums = s->sums, *layer = s->layer_sums;
     for (uint32_t y = r.y_begin; y < r.y_end; y++)
-        for (uint32_t x = r.x_begin; x < r.x_end; x++, sums += FILM_CHANNELS) {
-            const size_t at = (y - w.y_begin) * width + (x - w.x_begin);
-            merge_pixel(f, at, sums, s->pass);
-            if (!channels)
-                continue;
-            merge_layers(f->layer + at * channels, layer, (uint32_t)channels);
-            layer += channels;
-        }
+        for (uint32_t x = r.x_begin, end; film_samples_run(s, y, &x, &end); x = end)
+            merge_run(f, s, y, x, end);
     merge_blocks(f, s);
     film_work_add(&f->work, &s->work);
     f->dropped.degenerate = max_u32(f->dropped.degenerate, s->dropped.degenerate);

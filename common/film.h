@@ -57,6 +57,8 @@ struct film_dropped { /* triangles that the scene was prepared without */
 struct film_samples {
     struct tile_rect rect;
     struct tile_pass pass;
+    bool partial;            /* only the blocks of `active` are sampled; of others all is 0 */
+    struct block_set active; /* if partial: some of rect's blocks, not all */
     float *sums;     /* [row][column][replicate][rgb], rows of rect from the top; owned by the arena
                       * given to film_samples_make */
     uint32_t layers; /* layers.h; 0: none */
@@ -72,7 +74,20 @@ struct film_samples {
 
 struct film_samples film_samples_make(struct tile_rect, struct tile_pass, struct arena *);
 void film_samples_add_layers(struct film_samples *, uint32_t layers, struct arena *);
+/* Only these blocks are to be sampled; at least one. rect is a tile's. */
+void film_samples_restrict(struct film_samples *, const struct block_set *);
 void film_samples_note_invalid(struct film_samples *, struct film_key);
+
+static inline bool film_samples_has(const struct film_samples *s, size_t block)
+{
+    return !s->partial || block_set_has(&s->active, block);
+}
+
+/* The next pixels [*x_begin, *x_end) of row y_px, from *x_begin on, that are sampled; false: none.
+ * Before the first call *x_begin is rect's; afterwards it goes on from *x_end. */
+bool film_samples_run(const struct film_samples *, uint32_t y_px, uint32_t *x_begin,
+                      uint32_t *x_end);
+uint32_t film_samples_pixels(const struct film_samples *); /* that are sampled */
 
 struct film {
     struct tile_rect window; /* pixels of the whole frame */
@@ -98,7 +113,7 @@ void film_release(struct film *);
 size_t film_bytes(const struct film *); /* memory of its arrays, by window and layers */
 
 /* Adds the samples, which have the film's layers and blocks of their own. samples->rect begins
- * where a block does, and ends where one does or the window. Every pixel of it holds [0,
+ * where a block does, and ends where one does or the window. Every pixel that was sampled holds [0,
  * samples->pass.s_begin) so far. */
 void film_merge(struct film *, const struct film_samples *);
 

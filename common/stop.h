@@ -5,12 +5,12 @@
  * first, and a rule that believes it after 16 samples ends with a mean of .08 instead of 1. So the
  * estimate alone does not count:
  *
- * - the image has at least STOP_LEAST_NEFF effective samples (block.h: (sum x)^2 / sum x^2, of all
- * pixels together). Where that many have come, having waited for the last of them shifts the mean
- * by less than 1 %
+ * - the image has at least STOP_LEAST_NEFF effective samples (block.h: (sum x)^2 / sum x^2, of
+ *   all pixels together). Where that many have come, having waited for the last of them shifts the
+ *   mean by less than 1 %
  * - the upper end of the error's 95 % interval (estimate.h) is at most STOP_SLACK times the target
  * - an image that is all black is so for sure when no camera ray has met anything; else it has to
- * be black for STOP_DARK_SPP samples
+ *   be black for STOP_DARK_SPP samples
  *
  * What single blocks lack is said by evidence.h, and does not keep a job from ending: a black wall
  * would. A function of the film alone. SPDX-License-Identifier: MIT */

@@ -7,7 +7,7 @@
 
 #include <zlib.h>
 
-enum { VERSION_BARE = 1, VERSION_LAYERS = 2 }; /* of old */
+enum { VERSION_BARE = 1, VERSION_LAYERS, VERSION_BLOCKS }; /* of old */
 enum { TYPE_SAMPLES = 1, FLAG_DEFLATED = 1, PROBE_BYTES = 4096 };
 
 static const char magic[4] = {'S', 'M', 'L', 'T'};
@@ -30,10 +30,39 @@ static double read_double(struct buf_reader *r)
     return v;
 }
 
+static size_t active_bytes(const struct film_samples *s)
+{
+    return (block_count(s->rect) + 7) / 8;
+}
+
+static void write_active(const struct film_samples *s, struct buf *out)
+{
+    const struct block_set all = block_set_all(block_count(s->rect));
+    const struct block_set *active = s->partial ? &s->active : &all;
+    for (size_t i = 0; i < active_bytes(s); i++) {
+        const unsigned char byte = (unsigned char)(active->bits[i / 8] >> 8 * (i % 8));
+        buf_append(out, &byte, 1);
+    }
+}
+
+/* Of the pixels that are sampled, so many floats of each. */
+static void write_floats(const struct film_samples *s, const float *sums, size_t channels,
+                         struct buf *out)
+{
+    const struct tile_rect r = s->rect;
+    for (uint32_t y = r.y_begin; y < r.y_end; y++)
+        for (uint32_t x = r.x_begin, end; film_samples_run(s, y, &x, &end); x = end) {
+            const size_t at = (size_t)(y - r.y_begin) * (r.x_end - r.x_begin) + (x - r.x_begin);
+            buf_append(out, sums + at * channels, (end - x) * channels * sizeof *sums);
+        }
+}
+
 static void write_blocks(const struct film_samples *s, struct buf *out)
 {
     for (size_t i = 0; i < block_count(s->rect); i++) {
         const struct block *b = &s->blocks[i];
+        if (!film_samples_has(s, i))
+            continue;
         write_double(out, b->sum);
         write_double(out, b->square);
         write_double(out, b->clamped);
@@ -74,15 +103,15 @@ static void write_body(const struct wire_samples *w, struct buf *out)
     buf_u64(out, s->invalid_count);
     buf_u32(out, s->key_count);
     write_facts(s, out);
+    write_active(s, out);
     for (uint32_t i = 0; i < s->key_count; i++) {
         buf_u32(out, s->keys[i].x_px);
         buf_u32(out, s->keys[i].y_px);
         buf_u32(out, s->keys[i].sample);
     }
-    const size_t pixels = tile_rect_pixels(s->rect);
-    buf_append(out, s->sums, pixels * FILM_CHANNELS * sizeof *s->sums);
+    write_floats(s, s->sums, FILM_CHANNELS, out);
     if (s->layers)
-        buf_append(out, s->layer_sums, pixels * layers_channels(s->layers) * sizeof *s->layer_sums);
+        write_floats(s, s->layer_sums, layers_channels(s->layers), out);
     write_blocks(s, out);
 }
 
@@ -212,8 +241,26 @@ static void read_fixed(struct buf_reader *r, uint32_t version, struct wire_sampl
     s->invalid_count = buf_read_u64(r);
     s->key_count = buf_read_u32(r);
     s->layers = version >= VERSION_LAYERS ? buf_read_u32(r) : 0;
-    if (version >= WIRE_VERSION)
+    if (version >= VERSION_BLOCKS)
         read_facts(r, s);
+}
+
+/* Which blocks follow; before version 4 all do. */
+static bool read_active(struct buf_reader *r, uint32_t version, struct film_samples *s,
+                        struct err *err)
+{
+    if (version < WIRE_VERSION)
+        return true;
+    struct block_set active = {0};
+    const struct block_set all = block_set_all(block_count(s->rect));
+    const unsigned char *bytes = buf_read(r, active_bytes(s));
+    for (size_t i = 0; !r->failed && i < active_bytes(s); i++)
+        active.bits[i / 8] |= (uint64_t)bytes[i] << 8 * (i % 8);
+    if (!block_set_count(&active) || !block_set_within(&active, &all))
+        return err_set(err, ERR_PROTOCOL, "payload set of blocks: expected some of %zu",
+                       block_count(s->rect));
+    film_samples_restrict(s, &active);
+    return true;
 }
 
 static bool check_fixed(const struct film_samples *s, uint32_t version, struct err *err)
@@ -227,8 +274,12 @@ static bool check_fixed(const struct film_samples *s, uint32_t version, struct e
     if (s->pass.s_begin >= s->pass.s_end)
         return err_set(err, ERR_PROTOCOL, "payload sample range [%u, %u) is empty", s->pass.s_begin,
                        s->pass.s_end);
-    const uint64_t samples =
-        (uint64_t)tile_rect_pixels(s->rect) * (s->pass.s_end - s->pass.s_begin);
+    return true;
+}
+
+static bool check_counts(const struct film_samples *s, struct err *err)
+{
+    const uint64_t samples = (uint64_t)film_samples_pixels(s) * (s->pass.s_end - s->pass.s_begin);
     if (s->invalid_count > samples || s->key_count > FILM_MAX_KEYS ||
         s->key_count > s->invalid_count)
         return err_set(err, ERR_PROTOCOL, "payload counts %llu invalid samples of %llu, %u keys",
@@ -239,8 +290,11 @@ static bool check_fixed(const struct film_samples *s, uint32_t version, struct e
 
 static bool key_inside(const struct film_samples *s, struct film_key k)
 {
-    return k.x_px >= s->rect.x_begin && k.x_px < s->rect.x_end && k.y_px >= s->rect.y_begin &&
-           k.y_px < s->rect.y_end && k.sample >= s->pass.s_begin && k.sample < s->pass.s_end;
+    const struct tile_rect r = s->rect;
+    return k.x_px >= r.x_begin && k.x_px < r.x_end && k.y_px >= r.y_begin && k.y_px < r.y_end &&
+           k.sample >= s->pass.s_begin && k.sample < s->pass.s_end &&
+           film_samples_has(s, (size_t)(k.y_px - r.y_begin) / BLOCK_PX * block_columns(r) +
+                                   (k.x_px - r.x_begin) / BLOCK_PX);
 }
 
 static bool read_keys(struct buf_reader *r, struct film_samples *s, struct err *err)
@@ -250,20 +304,31 @@ static bool read_keys(struct buf_reader *r, struct film_samples *s, struct err *
         s->keys[i].y_px = buf_read_u32(r);
         s->keys[i].sample = buf_read_u32(r);
         if (!r->failed && !key_inside(s, s->keys[i]))
-            return err_set(err, ERR_PROTOCOL, "payload key %u lies outside its tile and pass", i);
+            return err_set(err, ERR_PROTOCOL,
+                           "payload key %u lies outside its tile, blocks and pass", i);
     }
     return true;
 }
 
-/* Floats as they lie in the message; *out is memory of the arena. */
-static bool read_floats(struct buf_reader *r, size_t count, struct arena *arena, float **out)
+/* So many floats of each pixel that is sampled, all finite; *out is memory of the arena, with zeros
+ * for the others. */
+static bool read_floats(struct buf_reader *in, const struct film_samples *s, size_t channels,
+                        struct arena *arena, float **out)
 {
-    const void *data = buf_read(r, count * sizeof(float));
-    if (r->failed)
-        return false;
-    *out = arena_new(arena, float, count);
-    memcpy(*out, data, count * sizeof(float));
-    return true;
+    const struct tile_rect r = s->rect;
+    bool finite = true;
+    *out = arena_new(arena, float, tile_rect_pixels(r) * channels);
+    for (uint32_t y = r.y_begin; y < r.y_end; y++)
+        for (uint32_t x = r.x_begin, end; film_samples_run(s, y, &x, &end); x = end) {
+            const size_t at = (size_t)(y - r.y_begin) * (r.x_end - r.x_begin) + (x - r.x_begin);
+            const size_t count = (end - x) * channels;
+            float *to = *out + at * channels;
+            memcpy(to, buf_read(in, count * sizeof *to), count * sizeof *to);
+            for (size_t i = 0; i < count;
+                 i++) /* negative they may be, by the pixel filter's sign */
+                finite &= isfinite(to[i]) != 0;
+        }
+    return finite;
 }
 
 /* x and its sums are never negative, the largest fall, and a NaN is nothing of it. 2^24 samples of
@@ -288,6 +353,8 @@ static bool read_blocks(struct buf_reader *r, struct film_samples *s, struct are
     s->blocks = arena_new(arena, struct block, count);
     for (size_t i = 0; i < count; i++) {
         struct block *b = &s->blocks[i];
+        if (!film_samples_has(s, i))
+            continue;
         b->sum = read_double(r);
         b->square = read_double(r);
         b->clamped = read_double(r);
@@ -307,24 +374,17 @@ static bool read_blocks(struct buf_reader *r, struct film_samples *s, struct are
 static bool read_sums(struct buf_reader *r, uint32_t version, struct film_samples *s,
                       struct arena *arena, struct err *err)
 {
-    const size_t pixels = tile_rect_pixels(s->rect), rest = (size_t)(r->end - r->at);
-    const size_t count = pixels * FILM_CHANNELS, layers = pixels * layers_channels(s->layers);
-    const size_t blocks = version < WIRE_VERSION ? 0 : block_count(s->rect) * WIRE_BLOCK_BYTES;
-    const size_t want = (count + layers) * sizeof(float) + blocks;
+    const size_t pixels = film_samples_pixels(s), rest = (size_t)(r->end - r->at);
+    const size_t layers = layers_channels(s->layers);
+    const size_t count = s->partial ? block_set_count(&s->active) : block_count(s->rect);
+    const size_t blocks = version < VERSION_BLOCKS ? 0 : count * WIRE_BLOCK_BYTES;
+    const size_t want = pixels * (FILM_CHANNELS + layers) * sizeof(float) + blocks;
     if (r->failed || rest != want)
         return err_set(err, ERR_PROTOCOL, "payload sums: %zu bytes, expected %zu", rest, want);
-    if (!read_floats(r, count, arena, &s->sums))
-        return err_set(err, ERR_PROTOCOL, "payload sums are cut short");
-    for (size_t i = 0; i < count; i++)
-        if (!isfinite(s->sums[i])) /* negative it may be, by the pixel filter's sign */
-            return err_set(err, ERR_PROTOCOL, "payload sum %zu is not finite", i);
-    if (!layers)
-        return true;
-    if (!read_floats(r, layers, arena, &s->layer_sums))
-        return err_set(err, ERR_PROTOCOL, "payload layers are cut short");
-    for (size_t i = 0; i < layers; i++)
-        if (!isfinite(s->layer_sums[i]))
-            return err_set(err, ERR_PROTOCOL, "payload layer sum %zu is not finite", i);
+    if (!read_floats(r, s, FILM_CHANNELS, arena, &s->sums))
+        return err_set(err, ERR_PROTOCOL, "payload sums: one is not finite");
+    if (layers && !read_floats(r, s, layers, arena, &s->layer_sums))
+        return err_set(err, ERR_PROTOCOL, "payload layers: a sum is not finite");
     return true;
 }
 
@@ -346,7 +406,9 @@ bool wire_decode(struct wire_samples *w, const void *data, size_t bytes, struct 
     if (r.failed)
         return err_set(err, ERR_PROTOCOL, "payload body of %zu bytes: expected at least %d",
                        frame.body_bytes, fixed_bytes(frame.version));
-    return check_fixed(&w->samples, frame.version, err) && read_keys(&r, &w->samples, err) &&
-           read_sums(&r, frame.version, &w->samples, arena, err) &&
-           (frame.version < WIRE_VERSION || read_blocks(&r, &w->samples, arena, err));
+    struct film_samples *s = &w->samples;
+    return check_fixed(s, frame.version, err) && read_active(&r, frame.version, s, err) &&
+           check_counts(s, err) && read_keys(&r, s, err) &&
+           read_sums(&r, frame.version, s, arena, err) &&
+           (frame.version < VERSION_BLOCKS || read_blocks(&r, s, arena, err));
 }

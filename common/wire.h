@@ -13,12 +13,14 @@
 #include "common/film.h"
 
 enum {
-    WIRE_VERSION =
-        3, /* written. Read are the older ones, too: without blocks, and 1 without layers */
+    /* Written. Read are the older ones, too: 3 always of all blocks, 2 without evidence of them, 1
+     * without layers */
+    WIRE_VERSION = 4,
     WIRE_HEADER_BYTES = 32,
-    WIRE_BODY_FIXED_BYTES = 124, /* of version 3 */
+    WIRE_BODY_FIXED_BYTES = 124, /* of versions 3 and 4 */
     WIRE_BLOCK_BYTES = 5 * 8 + BLOCK_TOP * 4,
-    WIRE_MAX_BYTES = WIRE_HEADER_BYTES + WIRE_BODY_FIXED_BYTES + FILM_MAX_KEYS * 12 +
+    WIRE_MAX_BYTES = WIRE_HEADER_BYTES + WIRE_BODY_FIXED_BYTES + BLOCK_SET_MAX / 8 +
+                     FILM_MAX_KEYS * 12 +
                      TILE_MAX_PX * TILE_MAX_PX * (FILM_CHANNELS + LAYERS_MAX_CHANNELS) * 4 +
                      TILE_MAX_PX * TILE_MAX_PX / (BLOCK_PX * BLOCK_PX) * WIRE_BLOCK_BYTES,
 };

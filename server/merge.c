@@ -37,6 +37,9 @@ bool merge_check(const struct job *j, const struct wire_samples *w, struct err *
     if (!s->blocks)
         return err_set(err, ERR_PROTOCOL, "payload without blocks: expected version %d",
                        WIRE_VERSION);
+    if (s->partial)
+        return err_set(err, ERR_PROTOCOL, "payload of %zu blocks of tile %u: expected all %zu",
+                       block_set_count(&s->active), w->tile, block_count(rect));
     if (s->layers != j->row.layers)
         return err_set(err, ERR_PROTOCOL, "payload layers 0x%x: expected 0x%x", s->layers,
                        j->row.layers);

@@ -88,6 +88,19 @@ static json_t *target_json(const struct scene_target *t)
                      (json_int_t)t->spp, "seconds", number_or_null(t->seconds > 0, t->seconds));
 }
 
+/* Which target: of those that are given the first one reached. Before its spp only an error ends a
+ * job; seconds do by settling the spp. */
+static json_t *ended_by_json(const struct job *j)
+{
+    const struct store_job *r = &j->row;
+    if (r->state != JOB_DONE)
+        return json_null();
+    if (r->target.error > 0 && r->error >= 0 && r->error <= r->target.error &&
+        r->samples < (uint64_t)j->pixels * r->target.spp)
+        return json_string("error");
+    return json_string(r->target.seconds > 0 ? "seconds" : "spp");
+}
+
 static json_t *failure_json(const struct job *j)
 {
     const struct store_failure *f = &j->row.failure;
@@ -151,6 +164,7 @@ static void add_identity(json_t *root, const struct job *j)
     json_object_set_new(root, "tile_px", json_integer(r->tile_px));
     json_object_set_new(root, "tiles", json_integer(j->tile_count));
     json_object_set_new(root, "target", target_json(&r->target));
+    json_object_set_new(root, "ended_by", ended_by_json(j));
     json_object_set_new(root, "auto", json_boolean(r->method != STORE_METHOD_GIVEN));
     json_object_set_new(root, "method", method_json(r));
 }

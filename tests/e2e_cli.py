@@ -148,6 +148,19 @@ def replays_a_sample(f, t, job, env):
     t.equal(f.run("replay", "0" * 16, "5,9", "3", env=env).returncode, 1, "replay: no such job, status 1")
 
 
+def continues_a_job(f, t, job, env):
+    had = f.job(job)["spp"]
+    went = f.run("continue", job, "--spp", str(2 * had), "--wait", "--json", env=env)
+    lines = [json.loads(line) for line in went.stdout.splitlines()]
+    t.ok(went.returncode == 0 and lines[-1]["state"] == "done" and lines[-1]["spp"] == 2 * had, "continue --wait: done, with twice the samples",
+         went.stderr)
+    again = f.run("continue", job, "--spp", str(had), env=env)
+    t.ok(again.returncode == 1 and str(2 * had) in again.stderr, "continue: no further than it is, status 1", again.stderr)
+    t.equal(f.run("continue", job, env=env).returncode, 2, "continue: no target, status 2")
+    t.equal(f.run("continue", job, "--error", "0", env=env).returncode, 2, "continue: an error of 0, status 2")
+    t.equal(f.run("continue", "0" * 16, "--error", ".1", env=env).returncode, 1, "continue: no such job, status 1")
+
+
 def works_with_a_coordinator(f, t):
     env = {**os.environ, "SMALTI_SERVER": f.url}
     small, out = os.path.join(f.dir, "small.json"), os.path.join(f.dir, "fetched.exr")
@@ -168,6 +181,7 @@ def works_with_a_coordinator(f, t):
     with open(png, "rb") as file:
         t.equal(file.read(8), b"\x89PNG\r\n\x1a\n", "fetch --png: a PNG")
     t.equal(f.run("cancel", job, env=env).returncode, 1, "cancel: a job that has ended, status 1")
+    continues_a_job(f, t, job, env)
 
     replays_a_sample(f, t, job, env)
     waited = f.run("submit", small, "--wait", env=env)
@@ -273,7 +287,7 @@ def compares_images(f, t):
 
 
 def explains_itself(f, t):
-    for command in "render submit status watch fetch cancel replay check plan diff digest".split():
+    for command in "render submit status watch fetch cancel continue replay check plan diff digest".split():
         told = f.run(command, "--help")
         t.ok(told.returncode == 0 and told.stdout.startswith(f"Usage: smalti {command}") and
              "xit status" in told.stdout, f"{command} --help")

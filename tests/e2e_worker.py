@@ -1,6 +1,7 @@
 """The worker's manners: it waits for its coordinator, caches, drains, hands back, and says what is wrong.
 SPDX-License-Identifier: MIT"""
 
+import hashlib
 import http.server
 import os
 import threading
@@ -101,6 +102,24 @@ def names_a_bad_mesh(t):
         t.equal(f.done(f.submit(SMALL))["state"], "done", "and the worker goes on")
 
 
+def names_a_bad_image(t):
+    with farm.Farm() as f:
+        f.start_server()
+        f.start_worker("--threads", "2")
+        cut = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x08\0\0\0\x08\x08\x02"
+        name = hashlib.sha256(cut).hexdigest()
+        document = farm.scene("cornell-box.json", 64, 64, spp=16)
+        document["textures"] = {"wood": {"type": "image", "format": "png", "asset": name}}
+        refused = f.call("POST", "/v1/jobs", document)
+        t.equal((refused.status, refused.json().get("missing_assets")), (409, [name]), "an image that is not there is asked for")
+        f.upload(cut)
+        ended = f.finish(f.submit(document))
+        reason = (ended["failure"] or {}).get("reason", "")
+        t.ok(ended["state"] == "failed" and name in reason and "the file ends too early" in reason,
+             "an image that is cut short fails the job, with its name", ended)
+        t.equal(f.done(f.submit(SMALL))["state"], "done", "and the worker goes on")
+
+
 class OtherVersion(http.server.BaseHTTPRequestHandler):
     asked = 0
 
@@ -147,6 +166,7 @@ def test(f, t):
     leaves_when_told(t)
     forgets_a_cancelled_job(t)
     names_a_bad_mesh(t)
+    names_a_bad_image(t)
     waits_for_its_version(t)
     refuses_misuse(t)
 

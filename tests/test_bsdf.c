@@ -21,12 +21,13 @@ static struct material diffuse(float albedo)
 
 static struct material glass(float ior)
 {
-    return (struct material){.kind = MATERIAL_DIELECTRIC, .dielectric = {ior, 0}};
+    return (struct material){.kind = MATERIAL_DIELECTRIC, .dielectric = {.ior = ior}};
 }
 
 static struct material frosted(float ior, float alpha)
 {
-    return (struct material){.kind = MATERIAL_DIELECTRIC, .dielectric = {ior, alpha}};
+    return (struct material){.kind = MATERIAL_DIELECTRIC,
+                             .dielectric = {.ior = ior, .alpha = alpha}};
 }
 
 static struct material metal(float eta, float k, float alpha)
@@ -95,7 +96,8 @@ static void fresnel_values(void)
     near(out, .091777959, 1e-6, "A-10: average over the hemisphere is Duntley's");
     near(in, .596345760, 1e-5, "A-10: and inside 1 - (1 - F) / n^2");
 
-    near((double)fresnel_conductor_channel(1, .2f, 3.9f), .951951952, 1e-6, "A-11: metal at 0 degrees");
+    near((double)fresnel_conductor_channel(1, .2f, 3.9f), .951951952, 1e-6,
+         "A-11: metal at 0 degrees");
     near((double)fresnel_conductor_channel(.5f, .2f, 3.9f), .945882382, 1e-6,
          "A-11: metal at 60 degrees");
     near((double)fresnel_conductor_channel((float)cos(89 * pi / 180), .2f, 3.9f), .992486811, 1e-6,
@@ -137,7 +139,8 @@ static void ggx_albedos(void)
             const struct material m = silver((float)alpha[j]);
             off = fmax(off, fabs(albedo(&m, z[i]) - table[j][i]));
         }
-    ok(off < 0.002, "A-14, F-23: GGX albedos are those of height-correlated masking (%.4f off)", off);
+    ok(off < 0.002, "A-14, F-23: GGX albedos are those of height-correlated masking (%.4f off)",
+       off);
 }
 
 static void narrow_lobe_meets_mirror(void)
@@ -219,7 +222,8 @@ static void hardly_rough_is_smooth(void)
         same &= bsdf_is_delta(&pair[1]) && bsdf_pdf_w(&pair[1], wo, b.wi) == 0;
     }
     ok(same, "glass too smooth for a lobe, or that bends nothing, is smooth glass");
-    ok(!bsdf_is_delta(&(struct material){.kind = MATERIAL_DIELECTRIC, .dielectric = {2, .01f}}),
+    ok(!bsdf_is_delta(&(struct material){.kind = MATERIAL_DIELECTRIC,
+                                         .dielectric = {.ior = 2, .alpha = .01f}}),
        "other glass is not");
 }
 

@@ -350,6 +350,18 @@ static void exr_refused(const struct image_files_exr *settings, float bad, const
     buf_release(&file);
 }
 
+/* The header says how large it is; the pixels need not be there. */
+static void exr_is_huge(struct buf *exr, uint32_t width_px, uint32_t height_px)
+{
+    static const char key[] = "dataWindow\0box2i\0\x10\0\0"; /* and a 0; then four numbers */
+    size_t at = 0;
+    while (memcmp(exr->data + at, key, sizeof key) != 0)
+        at++;
+    const uint32_t box[4] = {0, 0, width_px - 1, height_px - 1};
+    for (size_t i = 0; i < 16; i++)
+        exr->data[at + sizeof key + i] = (unsigned char)(box[i / 4] >> 8 * (i % 4));
+}
+
 static void exr_refusals(void)
 {
     struct image_files_exr p = {.type = IMAGE_FILES_FLOAT, .packing = IMAGE_FILES_ZIP};
@@ -373,6 +385,17 @@ static void exr_refusals(void)
     for (file.size = 0; file.size < whole; file.size++)
         accepted += read_as(IMAGE_FORMAT_EXR, &file, &image);
     ok(made && accepted == 0, "an EXR that is cut short is refused, wherever");
+    exr_is_huge(&file, 16385, 1);
+    refused(read_as(IMAGE_FORMAT_EXR, &file, &image), ERR_LIMIT, "got 16385 x 1",
+            "an EXR 16385 pixels wide");
+    exr_is_huge(&file, 16384, 16384);
+    refused(read_as(IMAGE_FORMAT_EXR, &file, &image), ERR_LIMIT, "got 16384 x 16384",
+            "an EXR of 268 million pixels");
+    exr_is_huge(&file, 0x80000000u, 0x80000000u);
+    refused(read_as(IMAGE_FORMAT_EXR, &file, &image), ERR_INPUT, "EXR: ",
+            "an EXR as large as its numbers go");
+    exr_is_huge(&file, 4096, 4096);
+    refused(read_as(IMAGE_FORMAT_EXR, &file, &image), ERR_INPUT, "", "16 million pixels in 10 kB");
     buf_release(&file);
 }
 

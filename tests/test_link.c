@@ -97,6 +97,10 @@ static struct link_event wait_for(struct link *l)
     "{\"lease\": \"00a1b2c300000007\", \"job\": \"5f0c9b1e8a7d6c34\", \"document\": \"" DOCUMENT   \
     "\", \"tile\": 12, \"rect\": " rect ", \"pass\": 3, \"samples\": " samples                     \
     ", \"ttl_ms\": 30000}"
+#define BLOCKS_LEASE(blocks)                                                                       \
+    "{\"lease\": \"00a1b2c300000007\", \"job\": \"5f0c9b1e8a7d6c34\", \"document\": \"" DOCUMENT   \
+    "\", \"tile\": 12, \"rect\": [64, 0, 104, 16], \"pass\": 3, \"samples\": [0, 8], "             \
+    "\"blocks\": " blocks ", \"ttl_ms\": 30000}"
 #define METHOD_LEASE(method)                                                                       \
     "{\"lease\": \"00a1b2c300000007\", \"job\": \"5f0c9b1e8a7d6c34\", \"document\": \"" DOCUMENT   \
     "\", \"tile\": 12, \"rect\": [0, 0, 8, 8], \"pass\": 3, \"samples\": [0, 8], "                 \
@@ -170,6 +174,29 @@ static void plans(struct canned *c, struct link *l)
        "a plan is delivered as JSON");
 }
 
+static void some_blocks(struct canned *c, struct link *l)
+{
+    set_answer(c, "200 OK",
+               "{\"leases\": [" BLOCKS_LEASE("\"840\"") ", " GOOD_LEASE
+                                                        ", " BLOCKS_LEASE("\"ffc\"") "]}");
+    link_ask(l, 3, 0);
+    struct link_event e = wait_for(l);
+    struct block_set some = {0};
+    block_set_add(&some, 0);
+    block_set_add(&some, 5);
+    const struct block_set ten = block_set_all(10), all = block_set_all(64);
+    ok(e.lease_count == 3 && block_set_equal(&e.leases[0].blocks, &some),
+       "a lease may be for some blocks of its tile");
+    ok(block_set_equal(&e.leases[1].blocks, &all) && block_set_equal(&e.leases[2].blocks, &ten),
+       "without a word it is for all of them");
+    set_answer(c, "200 OK", "{\"leases\": [" BLOCKS_LEASE("\"ffe\"") "]}");
+    link_ask(l, 1, 0);
+    e = wait_for(l);
+    ok(strstr(e.text, "leases[0]: blocks: expected 3 hex digits that name some of 10, got 'ffe'") !=
+           NULL,
+       "what is wrong with one is said: %s", e.text);
+}
+
 static void hostile_answers(struct canned *c, struct link *l)
 {
     static const struct {
@@ -191,6 +218,12 @@ static void hostile_answers(struct canned *c, struct link *l)
          "a method that is none"},
         {"{\"leases\": [" METHOD_LEASE("\"path\"") "]}", "a method that is a word"},
         {"{\"leases\": [{\"lease\": \"../../../etc/pass\"}]}", "an id that is none"},
+        {"{\"leases\": [" BLOCKS_LEASE("\"000\"") "]}", "no block at all"},
+        {"{\"leases\": [" BLOCKS_LEASE("\"ff\"") "]}", "too few digits of blocks"},
+        {"{\"leases\": [" BLOCKS_LEASE("\"ff00\"") "]}", "too many"},
+        {"{\"leases\": [" BLOCKS_LEASE("\"ff1\"") "]}", "a block beyond the tile"},
+        {"{\"leases\": [" BLOCKS_LEASE("\"FFC\"") "]}", "digits of another kind"},
+        {"{\"leases\": [" BLOCKS_LEASE("[0, 1]") "]}", "blocks that are no text"},
     };
     for (size_t i = 0; i < countof(cases); i++) {
         set_answer(c, "200 OK", cases[i].body);
@@ -253,6 +286,7 @@ int main(void)
     struct link *l = link_new(canned.url, "w-1", 2, &err);
     good_answers(&canned, l);
     plans(&canned, l);
+    some_blocks(&canned, l);
     hostile_answers(&canned, l);
     refusals(&canned, l);
     back_off(&canned, l);

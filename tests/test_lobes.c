@@ -25,7 +25,8 @@ static struct material mirror(float reflectance)
 
 static struct material glass(float ior, float alpha)
 {
-    return (struct material){.kind = MATERIAL_DIELECTRIC, .dielectric = {ior, alpha}};
+    return (struct material){.kind = MATERIAL_DIELECTRIC,
+                             .dielectric = {.ior = ior, .alpha = alpha}};
 }
 
 static struct material metal(float eta, float k, float alpha)

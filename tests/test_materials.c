@@ -48,7 +48,7 @@ static double way_back(const struct scatter *s, vec3 wo, const struct scatter_ch
 
 static void judge_glass(double ior, const struct laws_view *d, struct off *off)
 {
-    const struct material m = {.kind = MATERIAL_DIELECTRIC, .dielectric = {(float)ior, 0}};
+    const struct material m = {.kind = MATERIAL_DIELECTRIC, .dielectric = {.ior = (float)ior}};
     const struct scatter s = scatter_of(&m);
     const vec3 wo = laws_direction(d);
     const double eta = d->cos > 0 ? ior : 1 / ior, f = fresnel_by_angles(fabs((double)wo[2]), eta);
@@ -163,7 +163,7 @@ static void rough_glass_obeys(void)
                         {2.4f, .2f, "ior 2.4, .2"}};
     for (size_t i = 0; i < GLASSES; i++)
         obeys((struct material){.kind = MATERIAL_DIELECTRIC,
-                                .dielectric = {glass[i].ior, glass[i].alpha}},
+                                .dielectric = {.ior = glass[i].ior, .alpha = glass[i].alpha}},
               glass[i].name);
 }
 

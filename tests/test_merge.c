@@ -134,6 +134,9 @@ static void contradictions(void)
     w = good;
     w.samples.pass.s_end--;
     refuse(j, w, ERR_PROTOCOL, "fewer samples");
+    w = good;
+    w.samples.partial = true;
+    refuse(j, w, ERR_PROTOCOL, "not all of the tile");
     j->row.settled = true;
     j->row.target.spp = 40;
     struct job *whole = fake_job_open(WIDTH, HEIGHT, to_128);

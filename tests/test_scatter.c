@@ -195,7 +195,7 @@ static void reciprocity(void)
 static void choices(void)
 {
     struct faulty f =
-        faultless((struct material){.kind = MATERIAL_DIELECTRIC, .dielectric = {1.5f, 0}});
+        faultless((struct material){.kind = MATERIAL_DIELECTRIC, .dielectric = {.ior = 1.5f}});
     const struct scatter s = scatter_faulty(&f);
     struct scatter_choice c[2];
     ok(scatter_choices(&s, direction(.8), c) == 2 && c[0].chance + c[1].chance == 1,

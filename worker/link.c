@@ -266,7 +266,20 @@ static bool read_method(const json_t *value, enum plan_candidate_kind *k)
     return *k != PLAN_REAL;
 }
 
-static bool read_pass(const json_t *o, struct link_lease *lease)
+/* Without a word, all of the tile. */
+static bool read_blocks(const json_t *value, struct link_lease *lease, struct err *err)
+{
+    const size_t count = block_count(lease->rect);
+    lease->blocks = block_set_all(count);
+    const char *text = json_string_value(value);
+    if (!value || (text && block_set_parse(&lease->blocks, count, text)))
+        return true;
+    return err_set(err, ERR_PROTOCOL,
+                   "blocks: expected %zu hex digits that name some of %zu, got '%.40s'",
+                   (count + 3) / 4, count, text ? text : "no text");
+}
+
+static bool read_pass(const json_t *o, struct link_lease *lease, struct err *err)
 {
     uint32_t rect[4], samples[2];
     uint64_t tile, pass;
@@ -275,59 +288,65 @@ static bool read_pass(const json_t *o, struct link_lease *lease)
         !read_array(json_object_get(o, "rect"), 4, SCENE_MAX_SIDE_PX, rect) ||
         !read_array(json_object_get(o, "samples"), 2, SCENE_MAX_SPP, samples) ||
         !read_method(json_object_get(o, "method"), &lease->method))
-        return false;
+        return err_set(err, ERR_PROTOCOL, "expected tile, pass, rect, samples, and a known method");
     if (rect[0] >= rect[2] || rect[1] >= rect[3] || rect[2] - rect[0] > TILE_MAX_PX ||
         rect[3] - rect[1] > TILE_MAX_PX || samples[0] >= samples[1])
-        return false;
+        return err_set(err, ERR_PROTOCOL,
+                       "expected samples of a tile of at most %d px, got [%u, %u) of [%u, %u, %u, "
+                       "%u]",
+                       TILE_MAX_PX, samples[0], samples[1], rect[0], rect[1], rect[2], rect[3]);
     lease->tile = (uint32_t)tile;
     lease->rect = (struct tile_rect){rect[0], rect[1], rect[2], rect[3]};
     lease->pass_index = (uint32_t)pass;
     lease->pass = (struct tile_pass){samples[0], samples[1]};
-    return true;
+    return read_blocks(json_object_get(o, "blocks"), lease, err);
 }
 
-static bool read_lease(const json_t *o, struct link_lease *lease)
+static bool read_lease(const json_t *o, struct link_lease *lease, struct err *err)
 {
     uint64_t ttl;
     const char *document = json_string_value(json_object_get(o, "document"));
     if (!read_id(json_object_get(o, "lease"), lease->id) ||
         !read_id(json_object_get(o, "job"), lease->job) || !document || !hash_is_hex(document) ||
         !read_whole(json_object_get(o, "ttl_ms"), TTL_LEAST_MS, TTL_MOST_MS, &ttl))
-        return false;
+        return err_set(err, ERR_PROTOCOL, "expected lease, job, document and ttl_ms");
     memcpy(lease->document, document, HASH_HEX);
     lease->job_number = strtoull(lease->job, NULL, 16);
     lease->ttl_ms = (int64_t)ttl;
     lease->plan = json_is_true(json_object_get(o, "plan"));
     lease->method = PLAN_REAL;
-    return lease->plan || read_pass(o, lease);
+    return lease->plan || read_pass(o, lease, err);
 }
 
-static bool read_leases(const json_t *root, struct link_event *e)
+static bool read_leases(const json_t *root, struct link_event *e, struct err *err)
 {
     const json_t *list = json_object_get(root, "leases");
     if (!json_is_array(list) || json_array_size(list) > e->wanted)
-        return false;
+        return err_set(err, ERR_PROTOCOL, "leases: expected at most %u", e->wanted);
     for (size_t i = 0; i < json_array_size(list); i++)
-        if (!read_lease(json_array_get(list, i), &e->leases[e->lease_count++]))
-            return false;
+        if (!read_lease(json_array_get(list, i), &e->leases[e->lease_count++], err))
+            return err_at(err, "leases[%zu]", i);
     e->drain = json_is_true(json_object_get(root, "drain"));
     return true;
 }
 
-static bool read_answer(const struct buf *body, struct link_event *e)
+static bool read_answer(const struct buf *body, struct link_event *e, struct err *err)
 {
     if (e->kind == LINK_RETURN || e->kind == LINK_STATE)
         return true; /* nothing in there is needed */
     json_t *root = json_loadb(body->size ? (const char *)body->data : "", body->size, 0, NULL);
     bool good = json_is_object(root);
     uint64_t ttl = 0;
-    if (good && e->kind == LINK_RENEW) {
-        good = read_whole(json_object_get(root, "ttl_ms"), TTL_LEAST_MS, TTL_MOST_MS, &ttl);
+    if (!good) {
+        err_set(err, ERR_PROTOCOL, "expected a JSON object");
+    } else if (e->kind == LINK_RENEW) {
+        good = read_whole(json_object_get(root, "ttl_ms"), TTL_LEAST_MS, TTL_MOST_MS, &ttl) ||
+               err_set(err, ERR_PROTOCOL, "ttl_ms: expected %d to %d", TTL_LEAST_MS, TTL_MOST_MS);
         e->ttl_ms = (int64_t)ttl;
-    } else if (good) {
+    } else {
         const char *result = json_string_value(json_object_get(root, "result"));
         snprintf(e->result, sizeof e->result, "%s", result ? result : "");
-        good = read_leases(root, e);
+        good = read_leases(root, e, err);
     }
     json_decref(root);
     return good;
@@ -335,14 +354,16 @@ static bool read_answer(const struct buf *body, struct link_event *e)
 
 static void fill(struct link *l, const struct http_client_reply *reply, struct link_event *e)
 {
+    struct err err;
     e->status = reply->status;
     if (!reply->status) {
         snprintf(e->text, sizeof e->text, "%s", reply->err.text);
     } else if (reply->status / 100 != 2) {
         http_problem_text(reply->status, &reply->body, e->text, sizeof e->text);
-    } else if (!read_answer(&reply->body, e)) {
+    } else if (!read_answer(&reply->body, e, &err)) {
         /* Leases in it lapse by themselves; whoever answers so is no coordinator of ours. */
-        snprintf(e->text, sizeof e->text, "the answer is not one of a coordinator's");
+        snprintf(e->text, sizeof e->text, "the answer is not one of a coordinator's: %.400s",
+                 err.text);
         e->status = 0;
         e->lease_count = 0;
     }

@@ -11,6 +11,7 @@
 #ifndef WORKER_LINK_H
 #define WORKER_LINK_H
 
+#include "common/block.h"
 #include "common/buf.h"
 #include "common/err.h"
 #include "common/hash.h"
@@ -28,6 +29,7 @@ struct link_lease {
     enum plan_candidate_kind method; /* PLAN_REAL: as the document says */
     uint32_t tile;
     struct tile_rect rect;
+    struct block_set blocks; /* of rect: those to be rendered */
     uint32_t pass_index;
     struct tile_pass pass;
     int64_t ttl_ms;

@@ -36,6 +36,7 @@ static void render(struct pass *pass, struct arena *scratch)
     const struct tile_rect rect = pass->lease.rect;
     struct film_samples samples = film_samples_make(rect, pass->lease.pass, scratch);
     film_samples_add_layers(&samples, pass->stage->film.layers, scratch);
+    film_samples_restrict(&samples, &pass->lease.blocks);
     for (uint32_t y = rect.y_begin; y < rect.y_end; y++) {
         if (atomic_load_explicit(&pass->abandon, memory_order_relaxed))
             return;

@@ -175,7 +175,7 @@ enum { ROW_OCTETS = 32 };
 
 struct row {
     struct film_samples *out;
-    float *sums, *layers; /* of the pixel that is being added up; layers: if there are any */
+    float *sums, *layers; /* the row's; layers: if there are any */
     uint32_t channels;    /* of layers */
     struct block *blocks; /* the row's */
     struct pixel pixel;
@@ -196,13 +196,14 @@ static void pixel_begin(struct row *r)
     memset(r->pixel.layers, 0, r->channels * sizeof r->pixel.layers[0]);
 }
 
-static void pixel_end(struct row *r)
+static void pixel_end(struct row *r, uint32_t x_px)
 {
+    const size_t at = x_px - r->out->rect.x_begin;
+    float *sums = r->sums + at * FILM_CHANNELS;
     for (int i = 0; i < FILM_REPLICATES; i++)
-        vec3_store(r->sums + 3 * i, f64x4_round(r->pixel.sums[i]));
-    r->sums += FILM_CHANNELS;
+        vec3_store(sums + 3 * i, f64x4_round(r->pixel.sums[i]));
     for (uint32_t i = 0; i < r->channels; i++)
-        *r->layers++ = (float)r->pixel.layers[i];
+        r->layers[at * r->channels + i] = (float)r->pixel.layers[i];
 }
 
 static struct block *block_at(const struct row *r, uint32_t x_px)
@@ -282,7 +283,7 @@ static void add_octet(struct row *r, const struct octet_samples *o, rgb radiance
             layer_bounces(layers, &r->terms, i, radiance[i], to->layers);
     }
     if (o->s_end == r->out->pass.s_end)
-        pixel_end(r);
+        pixel_end(r, o->x_px);
 }
 
 /* Follows one of the octet's samples beyond the cut, if it is its block's turn. */
@@ -350,8 +351,9 @@ void render_row(const struct stage *s, struct film_samples *out, uint32_t y_px)
     r.octet.stage = s;
     r.octet.y_px = y_px;
     wave_init(&r.wave, s, PATH_ROULETTE_BEGIN, r.terms.count ? &r.terms : NULL, r.radiance);
-    for (uint32_t x = rect.x_begin; x < rect.x_end; x++)
-        row_pixel(&r, x);
+    for (uint32_t x = rect.x_begin, end; film_samples_run(out, y_px, &x, &end);)
+        for (; x < end; x++)
+            row_pixel(&r, x);
     row_flush(&r);
     r.wave.work.units = work_units(s, &r.wave.work);
     film_work_add(&out->work, &r.wave.work);

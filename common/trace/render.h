@@ -10,9 +10,10 @@
 #include "common/film.h"
 #include "common/trace/stage.h"
 
-/* One row of a tile's pass, y_px in [rect.y_begin, rect.y_end). A caller that may have to stop
- * looks at its own flag between rows. Rows must be rendered in ascending order for the keys of
- * invalid samples to be the first ones. */
+/* One row of a tile's pass, y_px in [rect.y_begin, rect.y_end), of what is to be sampled of it
+ * (film_samples_restrict): it gets the same sums with the rest of the row or without. A caller that
+ * may have to stop looks at its own flag between rows. Rows must be rendered in ascending order for
+ * the keys of invalid samples to be the first ones. */
 void render_row(const struct stage *, struct film_samples *, uint32_t y_px);
 
 /* All rows. */
