@@ -232,13 +232,20 @@ static bool becomes_content(const struct adaptive *a, uint32_t round, size_t i)
            (double)round_of(a, round - 1)[i].error2 * fewer <= foretold * t;
 }
 
+/* A heavy tail is its own block's matter; too few samples that show anything are not. */
+static bool has_seen(const struct adaptive *a, uint32_t round, size_t i)
+{
+    const struct adaptive_block b = round_of(a, round)[i];
+    return b.error2 >= 0 && fabs((double)b.neff) >= a->need;
+}
+
 static bool may_stop(const struct adaptive *a, uint32_t round, size_t at)
 {
     const struct around r = around_of(a, at);
     for (size_t y = r.y_begin; y < r.y_end; y++)
         for (size_t x = r.x_begin; x < r.x_end; x++) {
             const size_t i = y * block_columns(a->window) + x;
-            if (a->content[i] == ADAPTIVE_NEVER && !has_evidence(a, round, i))
+            if (a->content[i] == ADAPTIVE_NEVER && !has_seen(a, round, i))
                 return false;
         }
     return true;

@@ -9,9 +9,9 @@
  *   evidence (below) and its squared error g is at most t, and the judged round before foretold
  *   it: evidence then, too, and g' n' / n at most 1.21 t (g' and n' of that round, n samples now).
  * - It *stops*, and gets no more samples, in the first judged round in which it is content and
- *   each of its up to eight neighbours is content or has evidence. What a neighbour has not seen
- *   yet may reach over here. (Waiting until all neighbours are content would keep a ring
- *   around all that is noisy: it cost a fifth of the work and showed nothing.)
+ *   each of its up to eight neighbours is content or has `need` effective samples: what a
+ *   neighbour has not seen yet may reach over here. (Waiting until neighbours are content keeps a
+ *   ring going around all that is noisy: it cost a fifth of the work and found nothing.)
  * - The job is *due* in the first judged round, the pilot's or later, in which
  *
  *       mean over pixels of (content ? t : max(g, t)) <= target^2

@@ -92,6 +92,7 @@ static void single_blocks(void)
     ok(stopped_at(quiet, quiet, quiet, rare) == 0,
        "a block waits for what its neighbour has not seen");
     ok(stopped_at(quiet, quiet, quiet, black) == 0, "which may be anything where that is black");
+    ok(stopped_at(quiet, quiet, quiet, tail) == 32, "a neighbour's heavy tail is its own matter");
     const struct adaptive_block nearly = {1.1f * .01f / 2, 1000}, good = {.005f, 1000};
     ok(stopped_at((struct adaptive_block){2.1f * nearly.error2, 1000}, good, good, good) == 32 &&
            stopped_at((struct adaptive_block){2.5f * .01f, 1000}, good, good, good) == 64,

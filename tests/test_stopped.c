@@ -17,7 +17,15 @@
 #include "tests/stat/stat.h"
 #include "tests/tap.h"
 
-enum { TARGETS = 3, QUICK_SPP = 128, LONG_SPP = 2048, WILD_SPP = 1024, WILD_SCENES = 24 };
+enum {
+    WIDTH_PX = 48,
+    HEIGHT_PX = 36,
+    TARGETS = 3,
+    QUICK_SPP = 128,
+    LONG_SPP = 2048,
+    WILD_SPP = 1024,
+    WILD_SCENES = 24
+};
 
 static const double targets[TARGETS] = {.1, .03, .01};
 
@@ -27,8 +35,8 @@ struct found {
 
 static void size(struct scene *s, uint32_t seed)
 {
-    s->film.width_px = s->film.crop_x_end = CORPUS_WIDTH_PX;
-    s->film.height_px = s->film.crop_y_end = CORPUS_HEIGHT_PX;
+    s->film.width_px = s->film.crop_x_end = WIDTH_PX;
+    s->film.height_px = s->film.crop_y_end = HEIGHT_PX;
     s->film.crop_x_begin = s->film.crop_y_begin = 0;
     s->settings.seed = seed;
 }
@@ -66,7 +74,7 @@ static void judge(struct scene *s, uint32_t most_spp, struct found found[TARGETS
 {
     struct arena arena = {0};
     const struct stage *stage = stage_of(s, 1, &arena), *other = stage_of(s, 2, &arena);
-    const struct tile_rect window = {0, 0, CORPUS_WIDTH_PX, CORPUS_HEIGHT_PX};
+    const struct tile_rect window = {0, 0, WIDTH_PX, HEIGHT_PX};
     struct adapt a, reference;
     adapt_init(&a, window, 64);
     adapt_init(&reference, window, 64);
