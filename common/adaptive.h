@@ -31,13 +31,15 @@
  * better at little cost, and so noisy ones need not reach it. Cut at the target, so that nothing
  * stops that has not met it; the noisy ones go on until all together have.
  *
- * Evidence: `need` effective samples (block.h), and no heavy tail: in the pilot's round by all of
- * evidence.h, which is kept for good, later by what it says of the block alone, which can be
- * outgrown. need = 32, or 256 shared by the blocks that have light in the pilot where those are
- * few. Black is fine if no camera ray has met anything, or after ADAPTIVE_DARK_SPP samples. That
- * decisions are made by many samples together and not by single pixels is what keeps them from
- * making the image darker (D. Kirk, J. Arvo, "Unbiased Sampling Techniques for Image Synthesis",
- * SIGGRAPH 1991).
+ * Evidence: `need` effective samples (block.h), and no heavy tail: up to the pilot's round by all
+ * of evidence.h, later by what it says of the block alone. Tails take many blocks to be seen, and
+ * these then have samples as the target wants; but those that were flagged in every round since the
+ * pilot's have not stopped for any target: they are asked again in each, among themselves, and so
+ * can outgrow it (where a sun is met by chance, 40 % of the blocks have and do). need = 32, or 256
+ * shared by the blocks that have light in the pilot where those are few. Black is fine if no camera
+ * ray has met anything, or after ADAPTIVE_DARK_SPP samples. That decisions are made by many samples
+ * together and not by single pixels is what keeps them from making the image darker (D. Kirk, J.
+ * Arvo, "Unbiased Sampling Techniques for Image Synthesis", SIGGRAPH 1991).
  *
  * Same pixels (P1), and monotone in the target. With target' < target: t' <= t, so what is content
  * for target' is for target, and what stops for target' has stopped for target, so that in each

@@ -144,7 +144,7 @@ static void go_on(uint64_t seed, struct history *h)
 static void histories(void)
 {
     struct history h = {0};
-    const uint32_t runs = stat_tries(120, 2000);
+    const uint32_t runs = max_u32(stat_tries(120, 2000), 16);
     for (uint32_t i = 0; i < runs; i++)
         go_on(i + 1, &h);
     diag("%u histories: %u met their target, in %u some blocks stopped early", h.runs, h.due,
@@ -242,6 +242,6 @@ int main(void)
     darkness();
     rare_light((struct tile_rect){0, 0, 8, 8}, 1, 1024);
     rare_light((struct tile_rect){0, 0, 1, 1}, 1, 1024);
-    rare_light((struct tile_rect){2, 1, 34, 25}, .5, stat_tries(32, 1024));
+    rare_light((struct tile_rect){2, 1, 34, 25}, .5, max_u32(stat_tries(32, 1024), 16));
     return tap_done();
 }
