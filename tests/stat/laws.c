@@ -89,7 +89,8 @@ static void view(const struct material *m, enum scatter_side side, size_t i, uin
     struct scatter s = scatter_of(m);
     s.side = side;
     const vec3 wo = laws_direction(&laws_views[i]);
-    const struct scatter_draw d = scatter_draw(&s, wo, stat_tries(30000, 1000000), seed);
+    const uint32_t whole = s.most > 1.5 ? 1400000 : 1000000; /* for means of uneven weights */
+    const struct scatter_draw d = scatter_draw(&s, wo, stat_tries(30000, whole), seed);
     w->weight_off = fmax(w->weight_off, d.off);
     w->most = fmax(w->most, d.most);
     w->beyond += d.beyond;
