@@ -17,7 +17,7 @@
 
 MODE   ?= release
 J      ?= $(shell nproc)
-PROVE   = prove
+PROVE   = prove -j$(J)
 CC      = gcc
 PREFIX ?= /usr/local
 O      := build/$(MODE)$(if $(filter clang%,$(notdir $(CC))),-clang)
