@@ -87,6 +87,7 @@ struct scatter scatter_of(const struct material *m)
         .alpha = lobe_width(m),
         .retro = m->kind == MATERIAL_RETROREFLECTOR,
         .most = largest_weight(m),
+        .slow = m->kind == MATERIAL_PRINCIPLED,
     };
 }
 
