@@ -17,7 +17,7 @@
 
 MODE   ?= release
 J      ?= $(shell nproc)
-PROVE   = prove
+PROVE   = prove -j$(J)
 CC      = gcc
 PREFIX ?= /usr/local
 O      := build/$(MODE)$(if $(filter clang%,$(notdir $(CC))),-clang)
@@ -160,7 +160,7 @@ check-e2e: all tests
 check-long:
 	deploy/install-deps build test
 	$(MAKE) -j$(J) WERROR=1 all tests
-	TEST_LONG=1 $(MAKE) PROVE='prove -v' WERROR=1 check-unit # all that stat_tries names
+	TEST_LONG=1 $(MAKE) PROVE='prove -v --timer -j$(J)' WERROR=1 check-unit # all that stat_tries names
 	$(MAKE) -j$(J) CC=clang WERROR=1 all tests
 	$(MAKE) CC=clang WERROR=1 check-unit check-e2e
 	$(MAKE) -j$(J) MODE=asan WERROR=1 all tests

@@ -68,7 +68,7 @@ def scene(asset):
             "camera": {"type": "perspective", "fov_deg": 50, "look_at": {"from": [0, 3, 7], "to": [0, 0, 0]}},
             "materials": {"earth": {"type": "diffuse", "albedo": 0.5}},
             "shapes": [{"type": "mesh", "material": "earth", "format": "ply", "asset": asset}],
-            "lights": [{"type": "sky", "radiance": 1}], "settings": {"target": {"spp": 65536}}}
+            "lights": [{"type": "sky", "radiance": 1}], "settings": {"integrator": "path", "target": {"spp": 65536}}}
 
 
 def kib(process, file, field):

@@ -31,7 +31,7 @@ def _base(fov_deg, origin, target):
     return {"smalti": 1, "film": {"width": 256, "height": 256, "filter": {"type": "box"}},
             "camera": {"type": "perspective", "fov_deg": fov_deg, "look_at": {"from": origin, "to": target}},
             "materials": {"clay": {"type": "diffuse", "albedo": 0.7}}, "shapes": [], "lights": [],
-            "settings": {"max_bounces": 64, "target": {"spp": 16}}}
+            "settings": {"integrator": "path", "max_bounces": 64, "target": {"spp": 16}}}
 
 
 def _mesh(name, make, *args):

@@ -11,7 +11,7 @@
 
 static const char usage[] =
     "Usage: smalti plan SCENE [--error E] [--json]\n"
-    "Looks at a scene as a job with \"integrator\": \"auto\" would, and prints which method it\n"
+    "Looks at a scene as a job that leaves its method open would, and prints which method it\n"
     "would be rendered with, why, and how much work it will be. Nothing is rendered.\n"
     "\n"
     "  --error E   plan for this error, as in 0.02, in place of the scene's target\n"

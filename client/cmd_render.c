@@ -4,6 +4,7 @@
 
 #include "client/cmd.h"
 #include "client/local.h"
+#include "client/progress.h"
 #include "client/save.h"
 #include "client/upload.h"
 #include "client/watch.h"
@@ -172,7 +173,9 @@ static void print_end(const struct render *r, const struct buf *json)
                 putchar(*c);
         printf("\", %.*s\n", (int)rest, brace ? brace + 1 : "");
     } else if (!r->quiet) {
-        fprintf(stderr, "%s: %u spp", r->output, r->job.spp);
+        char samples[40];
+        progress_samples(&r->job, samples, sizeof samples);
+        fprintf(stderr, "%s: %s", r->output, samples);
         if (r->job.error >= 0)
             fprintf(stderr, ", error %.3g", r->job.error);
         fprintf(stderr, ", %.1f s, digest %.16s\n", r->job.elapsed_seconds, r->job.digest);

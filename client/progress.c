@@ -47,14 +47,20 @@ static int percent(const struct remote_job *job)
     return p >= 1 ? 100 : p > 0 ? (int)(p * 100) : 0; /* 100 % only at the end; 0 for a NaN */
 }
 
+void progress_samples(const struct remote_job *job, char *out, size_t bytes)
+{
+    if (job->spp_least < job->spp_most && remote_is_over(job->state))
+        snprintf(out, bytes, "%u to %u spp", job->spp_least, job->spp_most);
+    else
+        snprintf(out, bytes, "%u spp", job->spp);
+}
+
 void progress_text(const struct remote_job *job, char *out, size_t bytes)
 {
     struct text t = {out, bytes, 0};
-    add(&t, "%3d %%  ", percent(job));
-    if (job->spp_least < job->spp_most && remote_is_over(job->state))
-        add(&t, "%u to %u spp", job->spp_least, job->spp_most);
-    else
-        add(&t, "%u spp", job->spp);
+    char samples[40];
+    progress_samples(job, samples, sizeof samples);
+    add(&t, "%3d %%  %s", percent(job), samples);
     if (job->error >= 0)
         add(&t, "  error %.3g", job->error);
     if (job->error >= 0 && job->error_high > 0)

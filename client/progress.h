@@ -28,4 +28,7 @@ void progress_end(struct progress *); /* leaves the cursor on a fresh line */
  * out. */
 void progress_text(const struct remote_job *, char *out, size_t bytes);
 
+/* "110 spp"; of a job that is over and whose pixels have different numbers "32 to 512 spp". */
+void progress_samples(const struct remote_job *, char *out, size_t bytes);
+
 #endif

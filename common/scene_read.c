@@ -114,7 +114,9 @@ static void read_method(struct scene_doc *doc, const struct scene_at *at,
                                            [SAMPLER_INDEPENDENT] = "independent",
                                            [SAMPLER_STRATIFIED] = "stratified"};
     struct scene_at member;
-    size_t integrator = INTEGRATOR_PATH, strategy = STRATEGY_MIS, sampler = SAMPLER_SOBOL;
+    size_t integrator = INTEGRATOR_AUTO, strategy = STRATEGY_MIS, sampler = SAMPLER_SOBOL;
+    if (scene_at_member(at, "strategy", &member)) /* who says how lights are found means paths */
+        integrator = INTEGRATOR_PATH;
     if (scene_at_member(at, "integrator", &member))
         scene_doc_choice(doc, &member, integrators, countof(integrators), &integrator);
     if (scene_at_member(at, "sampler", &member))
@@ -175,7 +177,7 @@ void scene_read(struct scene_doc *doc, const struct scene_at *whole, struct scen
     scene->title = "";
     doc->rescale = scene_share_wanted(whole);
     scene->settings = (struct scene_settings){
-        .integrator = INTEGRATOR_PATH, .max_bounces = 64, .target = {.spp = 64}};
+        .integrator = INTEGRATOR_AUTO, .max_bounces = 64, .target = {.spp = 64}};
     scene_doc_object(doc, whole, "the document", keys, countof(keys));
     read_version(doc, whole);
     struct scene_at at;

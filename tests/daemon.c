@@ -241,7 +241,7 @@ const char *daemon_scene(uint32_t side, const char *target)
         "\"materials\": {\"grey\": {\"type\": \"diffuse\", \"albedo\": [0.5, 0.5, 0.5]}}, "
         "\"shapes\": [{\"type\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 1, "
         "\"material\": \"grey\"}], \"lights\": [{\"type\": \"sky\", \"radiance\": [1, 1, 1]}], "
-        "\"settings\": {\"target\": %s}}",
+        "\"settings\": {\"integrator\": \"path\", \"target\": %s}}",
         side, side, target);
     return text;
 }

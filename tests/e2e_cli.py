@@ -244,7 +244,7 @@ def checks_scenes(f, t):
     loud = {"smalti": 1, "film": {"width": 16, "height": 16}, "materials": {"m": {"type": "diffuse", "albedo": [2, 1, 0.5]}},
             "camera": {"type": "perspective", "fov_deg": 40, "look_at": {"from": [0, 1, 5], "to": [0, 1, 0]}},
             "shapes": [{"type": "sphere", "material": "m", "center": [0, 1, 0], "radius": 1}],
-            "settings": {"rescale": True, "target": {"spp": 8}}}
+            "settings": {"integrator": "path", "rescale": True, "target": {"spp": 8}}}
     path = write(f, "loud.json", loud)
     change = {"pointer": "/materials/m/albedo", "detail": "more light than there is: was 2, 1, 0.5, became 1, 0.5, 0.25",
               "was": [2, 1, 0.5], "became": [1, 0.5, 0.25]}

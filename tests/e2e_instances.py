@@ -55,7 +55,7 @@ def document(file):
                       [shape(file, i, dice) for i in range(SIDE * SIDE)],
             "lights": [{"type": "sky", "radiance": [0.6, 0.75, 1]},
                        {"type": "distant", "direction": [-0.5, -1, -0.4], "irradiance": [3, 2.8, 2.4]}],
-            "settings": {"max_bounces": 3, "target": {"spp": 8}}}
+            "settings": {"integrator": "path", "max_bounces": 3, "target": {"spp": 8}}}
 
 
 def peak_kb(argv, log):

@@ -1,4 +1,4 @@
-"""Jobs with "integrator": "auto": one plan, made by a worker as a lease of its own, then passes of the method it chose;
+"""Jobs that leave their method open: one plan, made by a worker as a lease of its own, then passes of the method it chose;
 the same bytes as a document that asks for that method, whoever lapses, dies or lies on the way.
 SPDX-License-Identifier: MIT"""
 
@@ -29,7 +29,7 @@ def attribute(exr, name):
     return json.loads(exr[at + 4:at + 4 + size])
 
 
-AUTO = furnace(integrator="auto")
+AUTO = furnace()  # the default
 BSDF = {"integrator": "path", "strategy": "bsdf"}
 JSON = {"Content-Type": "application/json"}
 
@@ -49,8 +49,10 @@ def is_planned_once(f, t, reference):
     t.equal(json.loads(f.run("plan", scene, "--json").stdout), plan, "smalti plan prints the same plan")
     image = f.call("GET", f"/v1/jobs/{job}/image.exr").body
     t.equal(attribute(image, b"smalti.plan"), plan, "the EXR carries it")
-    plain = f.done(f.submit(furnace()))
-    t.equal((plain["auto"], plain["method"]), (False, None), "a document that does not ask is not planned")
+    named = f.done(f.submit(furnace(integrator="auto")))
+    t.equal((named["auto"], named["image"]["digest"]), (True, reference), "a document may also ask for a plan by name")
+    plain = f.done(f.submit(furnace(integrator="path")))
+    t.equal((plain["auto"], plain["method"]), (False, None), "a document that names a method is not planned")
     t.equal(f.call("GET", f"/v1/jobs/{plain['id']}/plan").status, 404, "and has no plan")
     again = f.done(f.submit(AUTO))
     t.equal(again["image"]["digest"], reference, "the same again, from the workers' cache")
@@ -140,7 +142,7 @@ def gives_up(f, t):
 
 def test(f, t):
     reference = farm.local_digest(furnace(**BSDF))
-    t.ok(reference != farm.local_digest(furnace()), "methods differ in their noise")
+    t.ok(reference != farm.local_digest(furnace(integrator="path")), "methods differ in their noise")
     f.start_server()
     believes_nothing(f, t)
     gives_up(f, t)

@@ -15,7 +15,7 @@ def document(name):
             "camera": {"type": "perspective", "fov_deg": 40, "look_at": {"from": [0, 0.1, 0.4], "to": [0, 0.1, 0]}},
             "materials": {"clay": {"type": "diffuse", "albedo": 0.7}},
             "shapes": [{"type": "mesh", "material": "clay", "file": os.path.join(ASSETS, name)}],
-            "lights": [{"type": "sky", "radiance": 1}], "settings": {"target": {"spp": 16}}}
+            "lights": [{"type": "sky", "radiance": 1}], "settings": {"integrator": "path", "target": {"spp": 16}}}
 
 
 def test(f, t):

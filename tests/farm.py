@@ -82,11 +82,13 @@ def skip_all(why):
 
 
 def scene(name, width, height, **target):
-    """The example scene of that name at another size and with another target (spp, error, seconds)."""
+    """The example scene of that name at another size and with another target (spp, error, seconds).
+
+    By path tracing: the first lease of a job that leaves the method open would be its plan's."""
     with open(os.path.join(ROOT, "scenes", name), "rb") as file:
         document = json.load(file)
     document["film"].update(width=width, height=height)
-    document.setdefault("settings", {})["target"] = target
+    document.setdefault("settings", {}).update(integrator="path", target=target)
     return document
 
 

@@ -138,7 +138,7 @@ MUTANTS = [
           "to->sums[i] = f64x4_of(f64x4_round(to->sums[i]) + radiance[i]);")], "path"),
     bug("a standard error of sd / 8",
         [("common/estimate.c", "sqrt(square / ((FILM_REPLICATES - 1) * FILM_REPLICATES))",
-          "sqrt(square / (FILM_REPLICATES - 1)) / FILM_REPLICATES")], "film", "coverage"),
+          "sqrt(square / (FILM_REPLICATES - 1)) / FILM_REPLICATES")], "coverage", "film"),
     bug("error bars that do not hold are trusted",
         [("common/evidence_bars.c", "!(all[i].hold && missed_around(e, all, i) <= most_around * all[i].bar)",
           "!(all[i].hold + missed_around(e, all, i) >= most_around * 0)")], "coverage"),

@@ -10,6 +10,7 @@
 #include "common/trace/coat.h"
 #include "common/trace/coat_table.h"
 #include "tests/coat_make.h"
+#include "tests/furnace.h"
 #include "tests/sheen_make.h"
 #include "tests/stack_make.h"
 #include "tests/stat/laws.h"
@@ -307,6 +308,49 @@ static void white_principled(void)
        e.least, e.most);
 }
 
+/* Any parameters, cosines from 0.1 on. */
+static struct material white_of(enum material_kind kind, struct dice *d)
+{
+    struct material m = {.kind = kind};
+    const float ior = (float)dice_range(d, 1.1, 3);
+    if (kind == MATERIAL_PLASTIC) {
+        m.plastic.albedo = rgb_gray(1);
+        m.plastic.ior = ior;
+        m.plastic.alpha = furnace_parameter(d, 0);
+    } else if (kind == MATERIAL_CLOTH) {
+        m.cloth.albedo = m.cloth.color = rgb_gray(1);
+        m.cloth.roughness = furnace_parameter(d, .1);
+    } else {
+        m.principled.base_color = rgb_gray(1);
+        m.principled.sheen_color = rgb_gray(furnace_parameter(d, 0));
+        m.principled.metallic = furnace_parameter(d, 0);
+        m.principled.roughness = furnace_parameter(d, 0);
+        m.principled.ior = ior;
+        m.principled.clearcoat = furnace_parameter(d, 0);
+        m.principled.clearcoat_roughness = furnace_parameter(d, 0);
+        m.principled.sheen_roughness = furnace_parameter(d, .1);
+    }
+    return m;
+}
+
+static void white_everywhere(void)
+{
+    static const enum material_kind kind[] = {MATERIAL_PLASTIC, MATERIAL_CLOTH,
+                                              MATERIAL_PRINCIPLED};
+    static const char *const name[] = {"plastic", "cloth", "principled"};
+    for (size_t k = 0; k < countof(kind); k++) {
+        struct dice dice = dice_make(70 + k);
+        struct furnace f = {.least = (double)INFINITY};
+        for (uint32_t i = 0; i <= stat_tries(7, 400) / STAT_SLOW; i++) {
+            const struct material m = white_of(kind[k], &dice);
+            const float z = (float)dice_range(&dice, .1, 1);
+            furnace_add(&f, furnace_returned(&m, vec3_make(__builtin_sqrtf(1 - z * z), 0, z)));
+        }
+        ok(furnace_is_white(&f), "F-29: %s of any parameters: white returns %.4f to %.4f", name[k],
+           f.least, f.most);
+    }
+}
+
 /* --- the tables --- */
 
 static void table_is_the_quadrature(void)
@@ -376,6 +420,7 @@ int main(void)
     white_under_coats();
     white_cloth();
     white_principled();
+    white_everywhere();
     averages();
     table_is_the_quadrature();
     return tap_done();

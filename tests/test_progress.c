@@ -43,6 +43,12 @@ static void texts(void)
     job = (struct remote_job){
         .state = REMOTE_DONE, .progress = 1, .error = 0, .spp = 256, .eta_seconds = 0};
     says(&job, "100 %  256 spp  error 0");
+    struct remote_job stopped = job;
+    stopped.spp_least = 32;
+    stopped.spp_most = 256;
+    says(&stopped, "100 %  32 to 256 spp  error 0");
+    stopped.state = REMOTE_RUNNING;
+    says(&stopped, "100 %  256 spp  error 0  0:00 left");
     job.progress = 0 * -1e308 * 10;
     says(&job, "  0 %  256 spp  error 0");
     char small[12];

@@ -64,10 +64,10 @@ static void defaults(void)
        "crop defaults to the whole film");
     ok(scene.film.filter == FILTER_BOX && scene.film.filter_radius_px == .5f,
        "filter defaults to a box of one pixel");
-    ok(scene.settings.integrator == INTEGRATOR_PATH && scene.settings.strategy == STRATEGY_MIS &&
+    ok(scene.settings.integrator == INTEGRATOR_AUTO && scene.settings.strategy == STRATEGY_MIS &&
            scene.settings.sampler == SAMPLER_SOBOL && scene.settings.max_bounces == 64 &&
            scene.settings.clamp == 0 && scene.settings.seed == 0,
-       "settings default to path, mis, sobol, 64 bounces, seed 0");
+       "settings default to auto, sobol, 64 bounces, seed 0");
     ok(scene.settings.target.spp == 64 && scene.settings.target.error == 0 &&
            scene.settings.target.seconds == 0,
        "target defaults to 64 samples per pixel");
@@ -140,6 +140,13 @@ static void methods(void)
            s->integrator == INTEGRATOR_DIRECT && s->strategy == STRATEGY_BSDF &&
            s->sampler == SAMPLER_STRATIFIED,
        "direct light, by directions, stratified");
+    ok(parse(HEAD
+             "\"materials\": {}, \"shapes\": [], \"settings\": {\"strategy\": \"light\"}}") &&
+           s->integrator == INTEGRATOR_PATH && s->strategy == STRATEGY_LIGHT,
+       "a strategy alone is of paths");
+    ok(parse(HEAD "\"materials\": {}, \"shapes\": [], \"settings\": {\"seed\": 1}}") &&
+           s->integrator == INTEGRATOR_AUTO,
+       "other settings leave the method to a plan");
     ok(parse(HEAD "\"materials\": {}, \"shapes\": [], \"settings\": {\"integrator\": \"whitted\", "
                   "\"strategy\": \"light\", \"sampler\": \"independent\"}}") &&
            s->integrator == INTEGRATOR_WHITTED && s->strategy == STRATEGY_LIGHT &&

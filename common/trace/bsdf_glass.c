@@ -96,6 +96,12 @@ static float several_missing(const struct several *s, vec3 w)
                                   : 0;
 }
 
+float bsdf_glass_several_missing(const struct material *m, vec3 wo)
+{
+    const struct several s = several_make(m);
+    return several_missing(&s, wo);
+}
+
 float bsdf_glass_several_eval(const struct material *m, vec3 wo, vec3 wi)
 {
     const struct several s = several_make(m);

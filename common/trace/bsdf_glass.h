@@ -32,4 +32,7 @@ bool bsdf_glass_sample(const struct material *, vec3 wo, float lobe, struct squa
 /* The lobe of several facets alone, for glass with `multiscatter`. */
 float bsdf_glass_several_eval(const struct material *, vec3 wo, vec3 wi);
 
+/* The share of light along wo that is in it, on both sides together. */
+float bsdf_glass_several_missing(const struct material *, vec3 wo);
+
 #endif

@@ -3,7 +3,9 @@
 
 #include "common/trace/albedo.h"
 #include "common/trace/bsdf_glass.h"
+#include "common/trace/bsdf_inside.h"
 #include "common/trace/coat.h"
+#include "common/trace/covers.h"
 #include "common/trace/fresnel.h"
 #include "common/trace/local.h"
 #include "common/trace/microfacet.h"
@@ -17,11 +19,12 @@ enum lobe { LOBE_COAT, LOBE_SHEEN, LOBE_FACETS, LOBE_EVEN, LOBE_GLASS, LOBES };
 struct view {
     const struct material *m;
     struct material glass;
-    struct coat coat, base; /* the clear coat's boundary, and that of what is not metal */
-    float opaque, through;  /* shares of diffuse base and way through; the rest is metal */
-    bool layered;           /* there is a clear coat or sheen */
-    rgb passes;             /* coat and sheen, along wo */
-    float chance[LOBES];    /* add up to 1, or are all 0 */
+    struct covers over;    /* clear coat and sheen */
+    struct coat base;      /* the boundary of what is not metal */
+    float opaque, through; /* shares of diffuse base and way through; the rest is metal */
+    bool layered;          /* there is a clear coat or sheen */
+    rgb passes;            /* coat and sheen, along wo */
+    float chance[LOBES];   /* add up to 1, or are all 0 */
     /* For eval alone, by set_even: */
     struct stack layers, clear; /* what passes both, and the coat */
     rgb diffuse;                /* what the diffuse base returns of the light along wo */
@@ -40,31 +43,13 @@ static rgb smaller(rgb a, rgb b)
 
 /* --- what passes --- */
 
-static float passes_coat(const struct view *v, float cos)
-{
-    const float share = v->m->principled.clearcoat;
-    return share > 0 ? 1 - share * (1 - coat_passes(&v->coat, cos)) : 1;
-}
-
-static rgb passes_sheen(const struct view *v, float cos)
-{
-    const rgb color = v->m->principled.sheen_color;
-    if (rgb_is_black(color))
-        return rgb_gray(1);
-    return 1 - color * sheen_albedo(v->m->principled.sheen_roughness, cos);
-}
-
-static rgb passes_both(const struct view *v, float cos)
-{
-    return passes_sheen(v, cos) * passes_coat(v, cos);
-}
-
 static void stack_layers(struct view *v)
 {
     for (int k = 0; v->layered && k <= STACK_CELLS; k++) {
-        const float root = (float)k / STACK_CELLS, cos = root * root, coat = passes_coat(v, cos);
+        const float root = (float)k / STACK_CELLS, cos = root * root,
+                    coat = covers_coat_passes(&v->over, cos);
         v->clear.passes[k] = rgb_gray(coat);
-        v->layers.passes[k] = passes_sheen(v, cos) * coat;
+        v->layers.passes[k] = covers_sheen_passes(&v->over, cos) * coat;
     }
 }
 
@@ -168,10 +153,10 @@ static void set_chances(struct view *v, vec3 wo)
 {
     const struct material *m = v->m;
     const float below = rgb_max(v->passes), base = coat_passes(&v->base, wo[2]);
-    const float coat = passes_coat(v, wo[2]), metallic = m->principled.metallic;
+    const float coat = covers_coat_passes(&v->over, wo[2]), metallic = m->principled.metallic;
     float *c = v->chance, sum = 0;
     c[LOBE_COAT] = 1 - coat;
-    c[LOBE_SHEEN] = (1 - vec3_dot(passes_sheen(v, wo[2]), rgb_gray(1.0f / 3))) * coat;
+    c[LOBE_SHEEN] = (1 - vec3_dot(covers_sheen_passes(&v->over, wo[2]), rgb_gray(1.0f / 3))) * coat;
     c[LOBE_FACETS] =
         below * (metallic * rgb_max(m->principled.base_color) + (1 - metallic) * (1 - base));
     c[LOBE_EVEN] = even_chance(v, wo[2], base);
@@ -204,27 +189,27 @@ static rgb metal_again(const struct view *v, float cos, rgb passes)
     return f * f * (1 - mean) / (1 - f * mean) * v->again * left_for_metal(v, cos, passes) / mean;
 }
 
+struct material bsdf_principled_glass(const struct material *m)
+{
+    const float alpha = m->principled.roughness * m->principled.roughness;
+    return (struct material){
+        .kind = MATERIAL_DIELECTRIC,
+        .dielectric = {.ior = m->principled.ior, .alpha = alpha, .multiscatter = true}};
+}
+
 static struct view view_make(const struct material *m, vec3 wo)
 {
     const float alpha = m->principled.roughness * m->principled.roughness;
-    const float coat = m->principled.clearcoat_roughness * m->principled.clearcoat_roughness;
     const float clear = (1 - m->principled.metallic) * m->principled.transmission;
     struct view v = {.m = m,
-                     .glass = {.kind = MATERIAL_DIELECTRIC},
-                     .coat = {1.5f, coat},
+                     .glass = bsdf_principled_glass(m),
+                     .over = covers_of(m),
                      .base = {m->principled.ior, alpha},
                      .opaque = (1 - m->principled.metallic) - clear,
                      .through = clear,
                      .chance = {0}};
-    v.glass.dielectric.ior = m->principled.ior;
-    v.glass.dielectric.alpha = alpha;
-    v.glass.dielectric.multiscatter = true;
-    if (wo[2] < 0) {
-        v.chance[LOBE_GLASS] = 1;
-        return v;
-    }
-    v.layered = m->principled.clearcoat > 0 || !rgb_is_black(m->principled.sheen_color);
-    v.passes = passes_both(&v, wo[2]);
+    v.layered = covers_any(&v.over);
+    v.passes = covers_pass(&v.over, wo[2]);
     set_chances(&v, wo);
     return v;
 }
@@ -257,7 +242,7 @@ static rgb reflect_eval(struct view *v, vec3 wo, vec3 wi)
     const vec3 sum = wo + wi;
     const float length = vec3_length(sum), cos = 0.5f * length; /* the same both ways */
     const vec3 h = sum / length;
-    const rgb passes = passes_both(v, wi[2]), less = smaller(v->passes, passes);
+    const rgb passes = covers_pass(&v->over, wi[2]), less = smaller(v->passes, passes);
     const float even = warp_cosine_pdf_w(wi[2]);
     rgb f = rgb_gray(0);
     if (!rgb_is_black(v->diffuse))
@@ -269,15 +254,16 @@ static rgb reflect_eval(struct view *v, vec3 wo, vec3 wi)
     if (v->through > 0)
         f += glass_again(v, wo, wi, less);
     if (!rgb_is_black(v->m->principled.sheen_color)) {
-        const float a = passes_coat(v, wo[2]), b = passes_coat(v, wi[2]);
+        const float a = covers_coat_passes(&v->over, wo[2]),
+                    b = covers_coat_passes(&v->over, wi[2]);
         f += v->m->principled.sheen_color *
              ((a < b ? a : b) * sheen_eval(v->m->principled.sheen_roughness, wo, wi));
     }
     float cos_t;
-    if (v->m->principled.clearcoat > 0 && !is_smooth(v->coat.alpha))
+    if (v->m->principled.clearcoat > 0 && !is_smooth(v->over.coat.alpha))
         f += v->m->principled.clearcoat *
-             fresnel_dielectric(cos < 1 ? cos : 1, v->coat.ior, &cos_t) *
-             microfacet_reflect(wo, wi, h, v->coat.alpha);
+             fresnel_dielectric(cos < 1 ? cos : 1, v->over.coat.ior, &cos_t) *
+             microfacet_reflect(wo, wi, h, v->over.coat.alpha);
     return f;
 }
 
@@ -285,14 +271,12 @@ static rgb reflect_eval(struct view *v, vec3 wo, vec3 wi)
 
 static rgb eval(struct view *v, vec3 wo, vec3 wi)
 {
-    if (wo[2] > 0 && wi[2] > 0)
+    if (wi[2] > 0)
         return reflect_eval(v, wo, wi);
     if (!(v->through > 0) || bsdf_is_delta(&v->glass))
         return rgb_gray(0);
-    const rgb f = bsdf_glass_eval(&v->glass, wo, wi) * v->through;
-    if (wo[2] < 0 && wi[2] < 0)
-        return f;
-    return f * v->m->principled.base_color * passes_both(v, wo[2] > 0 ? wo[2] : wi[2]);
+    return bsdf_glass_eval(&v->glass, wo, wi) * v->through * v->m->principled.base_color *
+           v->passes;
 }
 
 static float pdf_w(const struct view *v, vec3 wo, vec3 wi)
@@ -301,11 +285,11 @@ static float pdf_w(const struct view *v, vec3 wo, vec3 wi)
     float p = 0;
     if (c[LOBE_GLASS] > 0 && !bsdf_is_delta(&v->glass))
         p += c[LOBE_GLASS] * bsdf_glass_pdf_w(&v->glass, wo, wi);
-    if (!(wo[2] > 0 && wi[2] > 0))
+    if (!(wi[2] > 0))
         return p;
     const vec3 h = vec3_unit(wo + wi);
-    if (c[LOBE_COAT] > 0 && !is_smooth(v->coat.alpha))
-        p += c[LOBE_COAT] * microfacet_reflect_pdf_w(wo, h, v->coat.alpha);
+    if (c[LOBE_COAT] > 0 && !is_smooth(v->over.coat.alpha))
+        p += c[LOBE_COAT] * microfacet_reflect_pdf_w(wo, h, v->over.coat.alpha);
     if (c[LOBE_SHEEN] > 0)
         p += c[LOBE_SHEEN] * sheen_pdf_w(v->m->principled.sheen_roughness, wo, wi);
     if (c[LOBE_FACETS] > 0 && !is_smooth(v->base.alpha))
@@ -315,12 +299,16 @@ static float pdf_w(const struct view *v, vec3 wo, vec3 wi)
 
 rgb bsdf_principled_eval(const struct material *m, vec3 wo, vec3 wi)
 {
+    if (wo[2] < 0)
+        return bsdf_inside_eval(m, wo, wi);
     struct view v = view_make(m, wo);
     return eval(&v, wo, wi);
 }
 
 float bsdf_principled_pdf_w(const struct material *m, vec3 wo, vec3 wi)
 {
+    if (wo[2] < 0)
+        return bsdf_inside_pdf_w(m, wo, wi);
     const struct view v = view_make(m, wo);
     return pdf_w(&v, wo, wi);
 }
@@ -331,33 +319,26 @@ float bsdf_principled_pdf_w(const struct material *m, vec3 wo, vec3 wi)
 static bool mirrored(const struct view *v, vec3 wo, enum lobe lobe, struct bsdf_sample *s)
 {
     float cos_t;
-    const rgb f =
-        lobe == LOBE_COAT
-            ? rgb_gray(v->m->principled.clearcoat * fresnel_dielectric(wo[2], v->coat.ior, &cos_t))
-            : facets(v, wo[2]) * v->passes;
+    const rgb f = lobe == LOBE_COAT ? rgb_gray(v->m->principled.clearcoat *
+                                               fresnel_dielectric(wo[2], v->over.coat.ior, &cos_t))
+                                    : facets(v, wo[2]) * v->passes;
     s->wi = local_reflect(wo);
     s->pdf_w = 0;
     s->weight = f / v->chance[lobe];
     return true;
 }
 
-/* Smooth glass: from the front only what goes through, the rest is the facets'. */
-static bool refracted(const struct view *v, vec3 wo, float lobe, struct bsdf_sample *s)
+/* Smooth glass: what goes through, the rest is the facets'. */
+static bool refracted(const struct view *v, vec3 wo, struct bsdf_sample *s)
 {
-    const bool down = wo[2] > 0;
-    const float eta = down ? v->base.ior : 1 / v->base.ior;
+    const float n = v->base.ior;
     float cos_t;
-    const float f = fresnel_dielectric(down ? wo[2] : -wo[2], eta, &cos_t);
+    const float f = fresnel_dielectric(wo[2], n, &cos_t);
+    s->wi = vec3_make(-wo[0] / n, -wo[1] / n, -cos_t);
     s->pdf_w = 0;
-    s->weight = rgb_gray(v->through / v->chance[LOBE_GLASS]);
-    if (!down && lobe < f) {
-        s->wi = local_reflect(wo);
-        return true;
-    }
-    s->wi = vec3_make(-wo[0] / eta, -wo[1] / eta, down ? -cos_t : cos_t);
-    s->scale = 1 / (eta * eta);
-    s->weight *= (down ? 1 - f : 1) * s->scale;
-    s->weight *= v->m->principled.base_color * passes_both(v, down ? wo[2] : cos_t);
+    s->scale = 1 / (n * n);
+    s->weight = v->passes * v->m->principled.base_color *
+                (v->through / v->chance[LOBE_GLASS] * (1 - f) * s->scale);
     return true;
 }
 
@@ -374,7 +355,7 @@ static bool direction_of(const struct view *v, enum lobe lobe, vec3 wo, float re
 {
     switch (lobe) {
     case LOBE_COAT:
-        return around_facet(v->coat.alpha, wo, q, &s->wi);
+        return around_facet(v->over.coat.alpha, wo, q, &s->wi);
     case LOBE_SHEEN:
         return sheen_sample(v->m->principled.sheen_roughness, wo, rest, q, &s->wi);
     case LOBE_FACETS:
@@ -393,16 +374,18 @@ static bool direction_of(const struct view *v, enum lobe lobe, vec3 wo, float re
 bool bsdf_principled_sample(const struct material *m, vec3 wo, float number, struct square q,
                             struct bsdf_sample *s)
 {
+    if (wo[2] < 0)
+        return bsdf_inside_sample(m, wo, number, q, s);
     struct view v = view_make(m, wo);
     int lobe = 0;
     while (lobe < LOBES && number >= v.chance[lobe])
         number -= v.chance[lobe++];
-    if (lobe == LOBES || (wo[2] < 0 && !(v.through > 0)))
+    if (lobe == LOBES)
         return false;
     const float rest = number / v.chance[lobe];
     if (lobe == LOBE_GLASS && bsdf_is_delta(&v.glass))
-        return refracted(&v, wo, rest, s);
-    if ((lobe == LOBE_COAT && is_smooth(v.coat.alpha)) ||
+        return refracted(&v, wo, s);
+    if ((lobe == LOBE_COAT && is_smooth(v.over.coat.alpha)) ||
         (lobe == LOBE_FACETS && is_smooth(v.base.alpha)))
         return mirrored(&v, wo, (enum lobe)lobe, s);
     if (!direction_of(&v, (enum lobe)lobe, wo, rest < 1 ? rest : 1 - 0x1p-24f, q, s))

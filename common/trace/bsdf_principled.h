@@ -11,8 +11,7 @@
  * Alphas are squares of roughnesses. What lies below another layer gets what that lets pass, T: the
  * lobes the smaller of T(o) and T(i), so that no more passes than either allows; and what that
  * leaves over goes to the diffuse base, or to what metal reflects again (stack.h). All is
- * reciprocal, makes no light, and white loses none. From inside, only the way through is there, the
- * rest is black.
+ * reciprocal, makes no light, and white loses none. From inside: bsdf_inside.h.
  *
  * Lobes are chosen by how much they reflect; eval and pdf are of all but those that are single
  * directions (bsdf.h). Directions as there, from either side if transmission is not 0.
@@ -21,6 +20,9 @@
 #define COMMON_TRACE_BSDF_PRINCIPLED_H
 
 #include "common/trace/bsdf.h"
+
+/* The glass of what is clear. */
+struct material bsdf_principled_glass(const struct material *);
 
 rgb bsdf_principled_eval(const struct material *, vec3 wo, vec3 wi);
 

@@ -60,9 +60,10 @@ static float lobe_width(const struct material *m)
 /* What is sampled by visible facets or by the cosine is 1 at most. */
 static double largest_weight(const struct material *m)
 {
-    if ((m->kind == MATERIAL_METAL && m->metal.multiscatter) ||
-        (m->kind == MATERIAL_DIELECTRIC && m->dielectric.multiscatter))
+    if (m->kind == MATERIAL_METAL && m->metal.multiscatter)
         return 3;
+    if (m->kind == MATERIAL_DIELECTRIC && m->dielectric.multiscatter)
+        return 4;
     if (m->kind == MATERIAL_PLASTIC)
         return 40;
     if (m->kind ==
@@ -86,6 +87,7 @@ struct scatter scatter_of(const struct material *m)
         .alpha = lobe_width(m),
         .retro = m->kind == MATERIAL_RETROREFLECTOR,
         .most = largest_weight(m),
+        .slow = m->kind == MATERIAL_PRINCIPLED,
     };
 }
 
@@ -149,12 +151,15 @@ static vec3 refracted(const struct scatter *s, vec3 wo)
 static struct sphere_chart view_chart(const struct view *v)
 {
     const double alpha = (double)v->s->alpha;
-    if (alpha >= 0.25)
-        return sphere_chart_make(vec3_make(0, 0, 1), 0);
     if (v->s->side == SCATTER_THROUGH) { /* a facet turned by a turns it by (1 - 1 / eta) a */
         const double narrower = 0.5 * alpha * fabs(1 - 1 / eta_from(v->s, v->wo));
-        return sphere_chart_make(refracted(v->s, v->wo), narrower * narrower);
+        if (alpha < 0.25)
+            return sphere_chart_make(refracted(v->s, v->wo), narrower * narrower);
+        if (narrower < 0.015) /* steep facets turn it by a good deal more: a long tail */
+            return sphere_chart_make(refracted(v->s, v->wo), 0.05 * 0.05);
     }
+    if (alpha >= 0.25)
+        return sphere_chart_make(vec3_make(0, 0, 1), 0);
     if (v->s->retro)
         return sphere_chart_make(v->wo, alpha * alpha);
     return sphere_chart_make(vec3_make(-v->wo[0], -v->wo[1], v->wo[2]), alpha * alpha);

@@ -30,6 +30,7 @@ struct scatter {
                   * to look */
     bool retro;  /* the lobe is around wo itself */
     double most; /* a weight is below it */
+    bool slow;   /* eval takes ten times as long as others': the long tier asks less often */
     enum scatter_side side;
 };
 
