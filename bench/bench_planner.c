@@ -159,6 +159,15 @@ static struct curve run(const struct stage *s, struct film *film, struct judged_
     return c;
 }
 
+/* Out of the race before its share of work was done: how its error falls is then not known well
+ * enough to be carried far. */
+static bool is_stopped(const struct curve *c)
+{
+    const double error = targets[TARGETS - 1];
+    return c->units[c->count - 1] <= most_units / 2 &&
+           c->square[c->count - 1] >= .5 * error * error;
+}
+
 /* Units until the error is e; infinite when it never will be. */
 static double units_to(const struct curve *c, double e)
 {
@@ -176,7 +185,7 @@ static double units_to(const struct curve *c, double e)
     double slope = before < last ? log(c->square[last] / c->square[before]) /
                                        log(c->units[last] / c->units[before])
                                  : -1;
-    slope = slope > -1 ? -1 : slope < -1.5 ? -1.5 : slope;
+    slope = slope > -1 || is_stopped(c) ? -1 : slope < -1.5 ? -1.5 : slope;
     return c->units[last] * pow(want / c->square[last], 1 / slope);
 }
 

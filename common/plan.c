@@ -250,30 +250,38 @@ double plan_price(const struct plan_pilot *pilot)
     return pilot->variance * pilot->work;
 }
 
-static bool is_tailed(const struct plan_candidate *c)
+static double larger(double a, double b)
 {
-    return c->pilot.tail > MOST_TAIL || c->pilot.thin > MOST_THIN;
+    return a > b ? a : b;
 }
 
-/* The usual method has its say whatever its tail: others have at least as heavy ones that they may
- * not have shown. */
+/* What the usual method's pilot shows as well is the scene's, which the others are no safer from.
+ */
+static bool is_tailed(const struct plan *p, int k)
+{
+    const struct plan_pilot *c = &p->candidates[k].pilot;
+    const struct plan_pilot *usual = &p->candidates[PLAN_PATH_MIS].pilot;
+    return c->tail > larger(MOST_TAIL, 1.2 * usual->tail) ||
+           c->thin > larger(MOST_THIN, 2 * usual->thin);
+}
+
 static bool is_rival(const struct plan *p, int k)
 {
-    const struct plan_candidate *c = &p->candidates[k];
-    return c->tried && (k == PLAN_PATH_MIS || !is_tailed(c));
+    return p->candidates[k].tried && !is_tailed(p, k);
 }
 
-static void say_why(struct plan_candidate *c, double least)
+static void say_why(struct plan *p, int k, double least)
 {
-    const double price = plan_price(&c->pilot);
-    if (is_tailed(c))
+    struct plan_candidate *c = &p->candidates[k];
+    if (is_tailed(p, k))
         rule(
             c, PLAN_TAILED,
             "%.0f %% of its variance is in 2 %% of the pixels, %.1f %% of the pixels hang on a few "
             "samples",
             100 * c->pilot.tail, 100 * c->pilot.thin);
     else
-        rule(c, PLAN_DEARER, "variance x work is %.3g times the least", price / least);
+        rule(c, PLAN_DEARER, "variance x work is %.3g times the least",
+             plan_price(&c->pilot) / least);
 }
 
 static void choose_by_pilots(struct plan *p)
@@ -288,10 +296,9 @@ static void choose_by_pilots(struct plan *p)
             p->chosen = (enum plan_candidate_kind)k;
     for (int k = 0; k < PLAN_REAL; k++)
         if (p->candidates[k].tried)
-            say_why(&p->candidates[k], least);
+            say_why(p, k, least);
     rule(&p->candidates[p->chosen], PLAN_CHOSEN,
-         "the simplest within 5 %% of the least variance x work%s",
-         is_tailed(&p->candidates[p->chosen]) ? ", though its own has a heavy tail" : "");
+         "the simplest within 5 %% of the least variance x work");
 }
 
 void plan_choose(struct plan *p)

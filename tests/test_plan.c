@@ -137,6 +137,11 @@ static void choices(void)
     p = two(.5, .6);
     ok(p.chosen == PLAN_PATH_MIS && verdict(&p, PLAN_PATH_BSDF) == PLAN_TAILED,
        "nor if its variance may not exist: %s", p.candidates[PLAN_PATH_BSDF].why);
+    p = two(.5, .6);
+    p.candidates[PLAN_PATH_MIS].pilot.tail = .6;
+    p.candidates[PLAN_PATH_MIS].verdict = p.candidates[PLAN_PATH_BSDF].verdict = PLAN_DEARER;
+    plan_choose(&p);
+    ok(p.chosen == PLAN_PATH_BSDF, "a tail that both have says nothing against either");
     p = two(3, .1);
     p.candidates[PLAN_PATH_MIS].pilot.tail = .9;
     p.candidates[PLAN_PATH_MIS].verdict = p.candidates[PLAN_PATH_BSDF].verdict = PLAN_DEARER;

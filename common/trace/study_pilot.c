@@ -8,6 +8,7 @@ enum {
     FIRST_BLOCKS = 8, /* of an outlook */
     WIDE_BLOCKS = 64,
     DEEP_SPP = 64,
+    DEEPEST_SPP = 256, /* where there are STUDY_BLOCKS already */
 };
 
 /* What a stage costs to be another method's: a copy. */
@@ -97,6 +98,9 @@ static bool widen_or_deepen(const struct plan *plan, const struct study_shot *sh
         *spp = DEEP_SPP;
     else if (2 * shot->blocks <= STUDY_BLOCKS && may_take(plan, 2.0 * shot->count * shot->spp))
         *blocks = 2 * shot->blocks;
+    else if (2 * shot->blocks > STUDY_BLOCKS && shot->spp < DEEPEST_SPP &&
+             may_take(plan, 4.0 * shot->count * shot->spp))
+        *spp = 4 * shot->spp;
     else
         return false;
     return true;
