@@ -28,10 +28,12 @@ static const double targets[TARGETS] = {.1, .05};
 
 /* Parts of different noise in one image; and scenes that have no such parts, where there is nothing
  * to gain and something to lose. */
-static const char *const mixed[] = {
-    "cornell-box", "glass-and-metal",  "many-lights", "materials", "soft box",
-    "sky and sun", "walls that shine", "lanterns",    "plates",    "wavy ball"};
-static const char *const even[] = {"room, ceiling", "mirrors", "furnace, dark", "dome"};
+static const char *const mixed[] = {"cornell-box",      "glass-and-metal", "many-lights",
+                                    "materials",        "soft box",        "sky and sun",
+                                    "walls that shine", "lanterns",        "plates",
+                                    "wavy ball",        "tubes",           "dark, albedo .1"};
+static const char *const even[] = {"room, ceiling", "mirrors", "furnace, dark", "dome",
+                                   "floor, tiny lamp"};
 
 /* ---- one scene ---- */
 
