@@ -64,7 +64,7 @@ static void fill_pixel(struct film_samples *s, uint32_t x, uint32_t y, float noi
     const struct tile_rect t = s->rect;
     const size_t at = (size_t)(y - t.y_begin) * (t.x_end - t.x_begin) + (x - t.x_begin);
     float *sums = s->sums + at * FILM_CHANNELS;
-    const bool quiet = (x / (2 * BLOCK_PX) + y / BLOCK_PX) % 2;
+    const bool quiet = x >= 2 * BLOCK_PX;
     const float most = noise * (quiet ? .125f : 1) / sqrtf((float)s->pass.s_end / 8);
     for (uint32_t r = 0; r < FILM_REPLICATES; r++)
         for (uint32_t c = 0; c < 3; c++) {

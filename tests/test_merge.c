@@ -325,7 +325,7 @@ static void goes_on(void)
  * next pass was of. */
 static struct job *until_one_stops(struct block_set *before)
 {
-    struct job *j = busy(64, .01);
+    struct job *j = busy(64, .003);
     for (uint32_t pass = 0;; pass++) {
         give_busy(j, 0, pass);
         *before = round_blocks(j, 0, pass + 1);
@@ -372,7 +372,7 @@ static void what_is_too_much(void)
 static void ahead_of_a_judgement(bool held)
 {
     struct block_set before;
-    struct job *probe = until_one_stops(&before), *j = busy(64, .01);
+    struct job *probe = until_one_stops(&before), *j = busy(64, .003);
     const uint32_t last = probe->rounds_done - 1;
     for (uint32_t pass = 0; pass < last; pass++) {
         give_busy(j, 0, pass);
