@@ -155,7 +155,10 @@ static struct sphere_chart view_chart(const struct view *v)
         const double narrower = 0.5 * alpha * fabs(1 - 1 / eta_from(v->s, v->wo));
         if (alpha < 0.25)
             return sphere_chart_make(refracted(v->s, v->wo), narrower * narrower);
-        if (narrower < 0.015) /* steep facets turn it by a good deal more: a long tail */
+        /* Steep facets turn it by a good deal more: a long tail. Where a smooth surface lets
+         * nothing through, the horizon cuts it, and from 89.9 degrees plain rows are better. */
+        const double eta = eta_from(v->s, v->wo), sine = hypot((double)v->wo[0], (double)v->wo[1]);
+        if (narrower < 0.015 && (sine < eta || fabsf(v->wo[2]) > .01f))
             return sphere_chart_make(refracted(v->s, v->wo), 0.05 * 0.05);
     }
     if (alpha >= 0.25)
