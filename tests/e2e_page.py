@@ -183,7 +183,7 @@ def check_cancel(page, job):
 
 def check_enough(page):
     """A job whose pixels stop at different samples."""
-    job = page.farm.done(page.farm.submit(farm.scene("cornell-box.json", 32, 32, error=.12)))
+    job = page.farm.done(page.farm.submit(farm.scene("cornell-box.json", 48, 48, error=.12)))
     spp = job["report"]["spp"]
     page.b.run(f"location.hash = '#/jobs/{job['id']}'")
     page.wait("its facts", f"document.querySelector('.job dl')?.innerText.includes('{spp['least']} to {spp['most']}, enough in')")
