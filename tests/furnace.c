@@ -27,11 +27,16 @@ static double lattice(const struct material *m, vec3 wo, uint32_t count)
     return sum / count;
 }
 
-/* What the short lattice cannot decide is looked at again. */
+/* What a lattice cannot decide is looked at again by a longer one. */
 double furnace_returned(const struct material *m, vec3 wo)
 {
-    const double roughly = lattice(m, wo, 1 << 14);
-    return roughly > .982 && roughly < .999 ? roughly : lattice(m, wo, 1 << 16);
+    double returned = lattice(m, wo, 1 << 14);
+    bool sure = returned > .982 && returned < .999;
+    for (int log = 17; !sure && log <= 20; log += 3) {
+        returned = lattice(m, wo, 1u << log);
+        sure = returned > .98 && returned < 1.001;
+    }
+    return returned;
 }
 
 void furnace_add(struct furnace *f, double returned)

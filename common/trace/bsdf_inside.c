@@ -99,12 +99,16 @@ static rgb kept_eval(struct view *v, vec3 o, vec3 i)
 
 /* --- all --- */
 
-/* Guessed from where smooth glass would send the light. The mirrored part of smooth glass is chosen
+/* Guessed from where smooth glass would send the light, seen as it is and as far above as facets
+ * are wide: the critical angle may lie between. The mirrored part of smooth glass is chosen
  * together with what goes out. */
 static void set_chances(struct view *v, float cos)
 {
     float cos_t, *c = v->chance;
-    const float passed = 1 - reflects(v, cos, &cos_t), alpha = v->smooth ? 0 : v->keeps.alpha;
+    const float alpha = v->smooth ? 0 : v->keeps.alpha;
+    const float above = cos + alpha * __builtin_sqrtf(cos < 1 ? (1 - cos) * (1 + cos) : 0);
+    const float seen = reflects(v, cos, &cos_t);
+    const float passed = 1 - 0.5f * (seen + reflects(v, above, &cos_t));
     const float wide = cos_t + (1 - cos_t) * 0.5f * alpha; /* facets send some of it higher up */
     const float coat = covers_coat_passes(&v->over, wide);
     const rgb sheen = covers_sheen_passes(&v->over, wide);
