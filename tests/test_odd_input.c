@@ -75,7 +75,7 @@ static double off_one(const struct odd *o)
     struct film film;
     double worst = 0;
     if (!film_of(o, &film))
-        return INFINITY;
+        return (double)INFINITY;
     for (size_t i = 0; i < PIXELS; i++) {
         double mean[3];
         film_mean(&film, i, mean);
@@ -83,7 +83,7 @@ static double off_one(const struct odd *o)
             worst = fmax(worst, fabs(mean[c] - 1));
     }
     if (film.invalid_count)
-        worst = INFINITY;
+        worst = (double)INFINITY;
     film_release(&film);
     return worst;
 }
@@ -91,7 +91,7 @@ static double off_one(const struct odd *o)
 static bool same(const struct odd *a, const struct odd *b)
 {
     struct film one, other;
-    const bool made = film_of(a, &one) & film_of(b, &other);
+    const bool first = film_of(a, &one), made = film_of(b, &other) && first;
     const bool good =
         made && !one.invalid_count && !other.invalid_count &&
         !memcmp(one.replicate, other.replicate, PIXELS * FILM_CHANNELS * sizeof *one.replicate);
@@ -283,7 +283,7 @@ static void no_directions(void)
             "{\"type\": \"conductor\", \"eta\": 0.001, \"k\": 100, \"alpha\": [0.05, 0.5], "
             "\"rotation_deg\": 30, \"multiscatter\": true}",
             NULL, shapes, NULL};
-        double most = INFINITY;
+        double most = (double)INFINITY;
         if (film_of(&brushed, &film) && !film.invalid_count)
             most = scenes_mean(&film, 1).mean;
         ok(most > .98 && most <= 1.001, "F-25: brushed metal, uvs%s: returns %.4f", uvs[i], most);
