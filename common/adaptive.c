@@ -119,13 +119,6 @@ static struct adaptive_block look_at(const struct film *f, size_t i, struct evid
                                    effective(f, i, e, l->spp)};
 }
 
-static uint32_t spp_of(const struct film *f, size_t block)
-{
-    const struct tile_rect w = f->window, r = block_rect_of(w, block);
-    const size_t width = w.x_end - w.x_begin;
-    return f->spp[(r.y_begin - w.y_begin) * width + (r.x_begin - w.x_begin)];
-}
-
 /* Those that have been flagged in each round from the pilot to this one: none of them has stopped,
  * whatever the target. NULL: that is not to be asked yet, all are equal. */
 static const bool *held(const struct adaptive *a, uint32_t spp, struct arena *arena)
@@ -149,8 +142,8 @@ struct adaptive_look adaptive_look(const struct film *f, uint32_t spp, const str
                               arena_new(arena, struct adaptive_block, a->count)};
     const struct evidence e = evidence_among(f, held(a, spp, arena), arena);
     for (size_t i = 0; i < a->count; i++)
-        l.blocks[i] = spp_of(f, i) == spp ? look_at(f, i, e.blocks[i], &l)
-                                          : (struct adaptive_block){.error2 = -1};
+        l.blocks[i] = film_block_spp(f, i) == spp ? look_at(f, i, e.blocks[i], &l)
+                                                  : (struct adaptive_block){.error2 = -1};
     return l;
 }
 
@@ -166,28 +159,15 @@ static double pixels_of(const struct adaptive *a, size_t i)
     return tile_rect_pixels(block_rect_of(a->window, i));
 }
 
-/* A block and its neighbours: columns and rows, half-open. */
-struct around {
-    size_t x_begin, y_begin, x_end, y_end;
-};
-
-static struct around around_of(const struct adaptive *a, size_t i)
-{
-    const size_t columns = block_columns(a->window), rows = block_rows(a->window);
-    const size_t x = i % columns, y = i / columns;
-    return (struct around){x ? x - 1 : 0, y ? y - 1 : 0, min_size(x + 2, columns),
-                           min_size(y + 2, rows)};
-}
-
 /* d of the header. */
 static double noise_around(const struct adaptive *a, size_t at)
 {
     const struct adaptive_block *pilot = round_of(a, PILOT);
     const size_t columns = block_columns(a->window);
-    const struct around r = around_of(a, at);
+    const struct tile_rect r = block_around(a->window, at);
     double sum = 0, pixels = 0;
-    for (size_t y = r.y_begin; y < r.y_end; y++)
-        for (size_t x = r.x_begin; x < r.x_end; x++) {
+    for (uint32_t y = r.y_begin; y < r.y_end; y++)
+        for (uint32_t x = r.x_begin; x < r.x_end; x++) {
             const size_t i = y * columns + x;
             sum += pixels_of(a, i) * (double)pilot[i].error2;
             pixels += pixels_of(a, i);
@@ -245,9 +225,9 @@ static bool has_seen(const struct adaptive *a, uint32_t round, size_t i)
 
 static bool may_stop(const struct adaptive *a, uint32_t round, size_t at)
 {
-    const struct around r = around_of(a, at);
-    for (size_t y = r.y_begin; y < r.y_end; y++)
-        for (size_t x = r.x_begin; x < r.x_end; x++) {
+    const struct tile_rect r = block_around(a->window, at);
+    for (uint32_t y = r.y_begin; y < r.y_end; y++)
+        for (uint32_t x = r.x_begin; x < r.x_end; x++) {
             const size_t i = y * block_columns(a->window) + x;
             if (a->content[i] == ADAPTIVE_NEVER && !has_seen(a, round, i))
                 return false;
@@ -385,7 +365,7 @@ struct block_set adaptive_blocks(const struct adaptive *a, const struct film *f,
         (rect.x_begin - a->window.x_begin) / BLOCK_PX;
     for (size_t i = 0; i < block_count(rect); i++) {
         const size_t at = first + i / columns * block_columns(a->window) + i % columns;
-        if (!has_stopped(a, at, pass.s_begin) && spp_of(f, at) <= pass.s_begin)
+        if (!has_stopped(a, at, pass.s_begin) && film_block_spp(f, at) <= pass.s_begin)
             block_set_add(&set, i);
     }
     return set;

@@ -4,6 +4,14 @@
 #include <assert.h>
 #include <string.h>
 
+struct tile_rect block_around(struct tile_rect r, size_t i)
+{
+    const uint32_t columns = block_columns(r), rows = block_rows(r);
+    const uint32_t x = (uint32_t)(i % columns), y = (uint32_t)(i / columns);
+    return (struct tile_rect){x - (x > 0), y - (y > 0), min_u32(x + 2, columns),
+                              min_u32(y + 2, rows)};
+}
+
 struct tile_rect block_rect_of(struct tile_rect r, size_t i)
 {
     const uint32_t columns = block_columns(r);

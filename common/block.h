@@ -52,6 +52,9 @@ static inline size_t block_count(struct tile_rect r)
 /* Of block number i of the rectangle, row by row. */
 struct tile_rect block_rect_of(struct tile_rect, size_t i);
 
+/* Block i and its neighbours: columns and rows of the rectangle's blocks, half-open. */
+struct tile_rect block_around(struct tile_rect, size_t i);
+
 void block_keep(struct block *, float x); /* x > top[BLOCK_TOP - 1] */
 
 static inline void block_add(struct block *b, float x)

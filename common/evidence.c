@@ -21,10 +21,7 @@ static const double growth = 1.5, outlier = .1;
 
 static double samples_of(const struct film *f, size_t i)
 {
-    const struct tile_rect w = f->window, r = block_rect_of(w, i);
-    const size_t first =
-        (size_t)(r.y_begin - w.y_begin) * (w.x_end - w.x_begin) + (r.x_begin - w.x_begin);
-    return (double)f->spp[first] * tile_rect_pixels(r);
+    return (double)film_block_spp(f, i) * tile_rect_pixels(block_rect_of(f->window, i));
 }
 
 static double neff(double sum, double square)

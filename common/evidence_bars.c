@@ -93,16 +93,14 @@ struct summary { /* of a block's bars */
     bool noisy, hold;
 };
 
-static double missed_around(const struct evidence *e, const struct summary all[], size_t i)
+static double missed_around(const struct tile_rect window, const struct summary all[], size_t i)
 {
-    const uint32_t x = (uint32_t)(i % e->columns), y = (uint32_t)(i / e->columns);
-    double sum = 0, count = 0;
-    for (uint32_t j = y - (y > 0); j < min_u32(y + 2, e->rows); j++)
-        for (uint32_t k = x - (x > 0); k < min_u32(x + 2, e->columns); k++) {
-            sum += all[(size_t)j * e->columns + k].missed;
-            count++;
-        }
-    return fabs(sum) / count;
+    const struct tile_rect r = block_around(window, i);
+    double sum = 0;
+    for (uint32_t y = r.y_begin; y < r.y_end; y++)
+        for (uint32_t x = r.x_begin; x < r.x_end; x++)
+            sum += all[(size_t)y * block_columns(window) + x].missed;
+    return fabs(sum) / tile_rect_pixels(r);
 }
 
 void evidence_bars_judge(const struct film *f, struct evidence *e, struct arena *arena)
@@ -118,6 +116,6 @@ void evidence_bars_judge(const struct film *f, struct evidence *e, struct arena 
     }
     for (size_t i = 0; i < count; i++)
         if (e->blocks[i].verdict == EVIDENCE_TRUSTED && all[i].noisy &&
-            !(all[i].hold && missed_around(e, all, i) <= most_around * all[i].bar))
+            !(all[i].hold && missed_around(f->window, all, i) <= most_around * all[i].bar))
             e->blocks[i].verdict = EVIDENCE_UNKNOWN;
 }

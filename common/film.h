@@ -124,6 +124,14 @@ static inline uint32_t film_replicate_spp(uint32_t spp, uint32_t r)
     return (spp + FILM_REPLICATES - 1 - r) / FILM_REPLICATES;
 }
 
+/* Samples of each pixel of block i of the window. */
+static inline uint32_t film_block_spp(const struct film *f, size_t i)
+{
+    const struct tile_rect w = f->window, r = block_rect_of(w, i);
+    const size_t width = w.x_end - w.x_begin;
+    return f->spp[(r.y_begin - w.y_begin) * width + (r.x_begin - w.x_begin)];
+}
+
 /* Mean radiance of a pixel given by its index in the window; black before the first sample. */
 static inline void film_mean(const struct film *f, size_t pixel, double mean[3])
 {

@@ -138,8 +138,7 @@ static void read_settings(struct scene_doc *doc, const struct scene_at *at,
 {
     static const struct scene_key keys[] = {
         {"integrator", false}, {"strategy", false}, {"sampler", false}, {"max_bounces", false},
-        {"clamp", false},      {"seed", false},     {"target", false},
-        {"rescale", false}};
+        {"clamp", false},      {"seed", false},     {"target", false},  {"rescale", false}};
     struct scene_at member;
     uint64_t bounces = out->max_bounces;
     double clamp = 0;

@@ -23,12 +23,6 @@ static double mean_luminance(const struct film *f)
     return sum / (double)pixels;
 }
 
-static uint32_t spp_of(const struct film *f, size_t block)
-{
-    const struct tile_rect w = f->window, r = block_rect_of(w, block);
-    return f->spp[(size_t)(r.y_begin - w.y_begin) * (w.x_end - w.x_begin) + r.x_begin - w.x_begin];
-}
-
 struct store_report report_make(const struct film *f)
 {
     struct arena arena = {0};
@@ -45,7 +39,7 @@ struct store_report report_make(const struct film *f)
     r.energy = mean_luminance(f);
     r.spp_least = UINT32_MAX;
     for (size_t b = 0; b < block_count(f->window); b++) {
-        const uint32_t spp = spp_of(f, b);
+        const uint32_t spp = film_block_spp(f, b);
         const double n = max_u32(spp, 1) * pixels;
         r.spp_least = min_u32(r.spp_least, spp);
         r.spp_most = max_u32(r.spp_most, spp);
