@@ -6,12 +6,6 @@
 #define R_LEAST 0.0476190476f /* (n - 1) / (n + 1) of 1.1 */
 #define R_MOST  0.6f          /* of 4 */
 
-static struct knot knot_of_ior(float ior)
-{
-    const float r = (ior - 1) / (ior + 1) - R_LEAST;
-    return knot_within(r > 0 ? __builtin_sqrtf(r / (R_MOST - R_LEAST)) : 0, GLASS_ALBEDO_IORS);
-}
-
 static struct knot knot_of_width(float alpha)
 {
     return knot_within(__builtin_sqrtf(alpha), GLASS_ALBEDO_WIDTHS);
@@ -27,7 +21,8 @@ static float plane(const uint16_t t[GLASS_ALBEDO_WIDTHS][GLASS_ALBEDO_HEIGHTS], 
 float glass_albedo_missing_by(const struct glass_albedo_table *t, const struct glass_albedo *g,
                               bool below, float cos)
 {
-    const struct knot n = knot_of_ior(g->ior), width = knot_of_width(g->alpha);
+    const struct knot n = knot_of_root_r(g->ior, R_LEAST, R_MOST, GLASS_ALBEDO_IORS),
+                      width = knot_of_width(g->alpha);
     const struct knot height =
         knot_within(cos * (1 + g->alpha) / (cos + g->alpha), GLASS_ALBEDO_HEIGHTS);
     return knot_blend(plane(t->missing[below][n.i], width, height),
@@ -48,7 +43,8 @@ float glass_albedo_missing(const struct glass_albedo *g, bool below, float cos)
 
 float glass_albedo_mean(const struct glass_albedo *g, bool below)
 {
-    const struct knot n = knot_of_ior(g->ior), width = knot_of_width(g->alpha);
+    const struct knot n = knot_of_root_r(g->ior, R_LEAST, R_MOST, GLASS_ALBEDO_IORS),
+                      width = knot_of_width(g->alpha);
     const float *a = glass_albedo_table.mean[below][n.i] + width.i;
     const float *b = glass_albedo_table.mean[below][n.i + 1] + width.i;
     return known_share(g->ior) *

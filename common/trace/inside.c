@@ -7,12 +7,6 @@
 #define R_LEAST 0.0476190476f /* (n - 1) / (n + 1) of 1.1 */
 #define R_MOST  0.5f          /* of 3 */
 
-static struct knot knot_of_ior(float ior)
-{
-    const float r = (ior - 1) / (ior + 1) - R_LEAST;
-    return knot_within(r > 0 ? __builtin_sqrtf(r / (R_MOST - R_LEAST)) : 0, INSIDE_IORS);
-}
-
 static struct knot knot_of_width(float alpha)
 {
     return knot_within((__builtin_sqrtf(alpha) - 0x1p-5f) / (1 - 0x1p-5f), INSIDE_WIDTHS);
@@ -38,7 +32,8 @@ static float side(struct knot k, int far)
 void inside_parts(const struct inside_table *t, const struct inside_glass *in, float cos,
                   float parts[INSIDE_PARTS])
 {
-    const struct knot n = knot_of_ior(in->ior), w = knot_of_width(in->alpha);
+    const struct knot n = knot_of_root_r(in->ior, R_LEAST, R_MOST, INSIDE_IORS),
+                      w = knot_of_width(in->alpha);
     const struct knot h =
         knot_of(inside_height(in->ior, in->alpha, cos) / (INSIDE_HEIGHTS - 1), INSIDE_HEIGHTS);
     for (int k = 0; k < INSIDE_PARTS; k++)
@@ -55,7 +50,8 @@ void inside_parts(const struct inside_table *t, const struct inside_glass *in, f
 /* Of n values of one index and width. */
 static void blend(const float *first, const struct inside_glass *in, int n, float *out)
 {
-    const struct knot a = knot_of_ior(in->ior), w = knot_of_width(in->alpha);
+    const struct knot a = knot_of_root_r(in->ior, R_LEAST, R_MOST, INSIDE_IORS),
+                      w = knot_of_width(in->alpha);
     for (int k = 0; k < n; k++) {
         const float *at = first + (a.i * INSIDE_WIDTHS + w.i) * n + k;
         out[k] =

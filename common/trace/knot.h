@@ -24,6 +24,14 @@ static inline struct knot knot_within(float coordinate, int knots)
     return (struct knot){k.i, k.f < 0 ? 0 : (k.f > 1 ? 1 : k.f)};
 }
 
+/* By a dielectric's index: even in the root of (n - 1) / (n + 1), from `least` to `most` of that.
+ */
+static inline struct knot knot_of_root_r(float ior, float least, float most, int knots)
+{
+    const float r = (ior - 1) / (ior + 1) - least;
+    return knot_within(r > 0 ? __builtin_sqrtf(r / (most - least)) : 0, knots);
+}
+
 static inline float knot_blend(float a, float b, float f)
 {
     return a + (b - a) * f;
