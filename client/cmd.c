@@ -62,6 +62,18 @@ bool cmd_check_id(const char *text)
     return false;
 }
 
+bool cmd_open_job(struct cmd_job *j, const struct cmd_spec *spec, int argc, char *const *args,
+                  int *status)
+{
+    size_t operands;
+    if (!cmd_parse(spec, argc, args, &j->id, &operands, status))
+        return false;
+    if (cmd_check_id(j->id))
+        return cmd_open(&j->remote, j->server, status);
+    *status = CMD_USAGE;
+    return false;
+}
+
 int cmd_follow(struct remote *remote, const char *id, bool json, bool curve)
 {
     struct err err;

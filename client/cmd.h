@@ -50,6 +50,16 @@ bool cmd_parse(const struct cmd_spec *, int argc, char *const *args, const char 
 /* The coordinator at the flag's address, $SMALTI_SERVER's or the default; false: *status. */
 bool cmd_open(struct remote *, const char *flag, int *status) MUST_CHECK;
 
+/* A command about one job: its only operand is the id. `server` is the flag's variable, among the
+ * spec's flags. The coordinator is to be closed. */
+struct cmd_job {
+    const char *server, *id;
+    struct remote remote;
+};
+
+bool cmd_open_job(struct cmd_job *, const struct cmd_spec *, int argc, char *const *args,
+                  int *status) MUST_CHECK;
+
 /* The document and every file that it needs; false: *status, and it was said on stderr what is
  * wrong or named by its hash only. */
 bool cmd_load_scene(const char *file, struct scene_disk *, struct arena *, int *status) MUST_CHECK;

@@ -13,22 +13,16 @@ static const char usage[] =
 
 int cmd_cancel(int argc, char *const *args)
 {
-    const char *server = NULL, *id = NULL;
-    const struct flags_entry flags[] = {{.name = "server", .kind = FLAGS_TEXT, .value = &server}};
+    struct cmd_job j = {0};
+    const struct flags_entry flags[] = {{.name = "server", .kind = FLAGS_TEXT, .value = &j.server}};
     const struct cmd_spec spec = {"cancel", usage, flags, countof(flags), 1, 1};
-    struct remote remote;
     struct remote_job job;
     struct err err;
-    size_t operands;
     int status;
-    if (!cmd_parse(&spec, argc, args, &id, &operands, &status))
+    if (!cmd_open_job(&j, &spec, argc, args, &status))
         return status;
-    if (!cmd_check_id(id))
-        return CMD_USAGE;
-    if (!cmd_open(&remote, server, &status))
-        return status;
-    if (!remote_cancel(&remote, id, &job, &err))
+    if (!remote_cancel(&j.remote, j.id, &job, &err))
         status = cmd_fail(&err);
-    remote_close(&remote);
+    remote_close(&j.remote);
     return status;
 }

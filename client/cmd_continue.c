@@ -29,41 +29,39 @@ static int follow(struct remote *remote, const char *id, bool json)
     return status;
 }
 
+static int no_target(void)
+{
+    fputs("smalti: continue: expected --error, --spp, or both\n"
+          "Try 'smalti continue --help'.\n",
+          stderr);
+    return CMD_USAGE;
+}
+
 int cmd_continue(int argc, char *const *args)
 {
-    const char *server = NULL, *id = NULL;
+    struct cmd_job j = {0};
     struct remote_target target = {0};
     bool wait = false, json = false;
     const struct flags_entry flags[] = {
         {.name = "error", .kind = FLAGS_NUMBER, .value = &target.error, .least = 1e-5, .most = 1},
         {.name = "spp", .kind = FLAGS_COUNT, .value = &target.spp, .least = 1, .most = 1 << 24},
-        {.name = "server", .kind = FLAGS_TEXT, .value = &server},
+        {.name = "server", .kind = FLAGS_TEXT, .value = &j.server},
         {.name = "wait", .kind = FLAGS_SWITCH, .value = &wait},
         {.name = "json", .kind = FLAGS_SWITCH, .value = &json},
     };
     const struct cmd_spec spec = {"continue", usage, flags, countof(flags), 1, 1};
-    struct remote remote;
     struct err err;
-    size_t operands;
     int status;
-    if (!cmd_parse(&spec, argc, args, &id, &operands, &status))
-        return status;
-    if (!cmd_check_id(id))
-        return CMD_USAGE;
-    if (!(target.error > 0) && !target.spp) {
-        fputs("smalti: continue: expected --error, --spp, or both\n"
-              "Try 'smalti continue --help'.\n",
-              stderr);
-        return CMD_USAGE;
-    }
-    if (!cmd_open(&remote, server, &status))
+    if (!cmd_open_job(&j, &spec, argc, args, &status))
         return status;
     if (wait)
         watch_block();
-    if (!remote_continue(&remote, id, &target, &err))
+    if (!(target.error > 0) && !target.spp)
+        status = no_target();
+    else if (!remote_continue(&j.remote, j.id, &target, &err))
         status = cmd_fail(&err);
     else if (wait)
-        status = follow(&remote, id, json);
-    remote_close(&remote);
+        status = follow(&j.remote, j.id, json);
+    remote_close(&j.remote);
     return status;
 }

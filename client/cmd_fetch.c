@@ -18,34 +18,29 @@ static const char usage[] =
 
 int cmd_fetch(int argc, char *const *args)
 {
-    const char *server = NULL, *id = NULL, *output = NULL;
+    struct cmd_job j = {0};
+    const char *output = NULL;
     bool png = false;
     const struct flags_entry flags[] = {
         {.name = "output", .kind = FLAGS_TEXT, .value = &output, .letter = 'o'},
         {.name = "png", .kind = FLAGS_SWITCH, .value = &png},
-        {.name = "server", .kind = FLAGS_TEXT, .value = &server},
+        {.name = "server", .kind = FLAGS_TEXT, .value = &j.server},
     };
     const struct cmd_spec spec = {"fetch", usage, flags, countof(flags), 1, 1};
-    struct remote remote;
     struct err err;
-    size_t operands;
     int status;
-    if (!cmd_parse(&spec, argc, args, &id, &operands, &status))
-        return status;
-    if (!cmd_check_id(id))
-        return CMD_USAGE;
-    if (!cmd_open(&remote, server, &status))
+    if (!cmd_open_job(&j, &spec, argc, args, &status))
         return status;
     char name[32];
-    snprintf(name, sizeof name, "%s.%s", id, png ? "png" : "exr");
+    snprintf(name, sizeof name, "%s.%s", j.id, png ? "png" : "exr");
     struct buf image = {0};
-    if (!remote_fetch(&remote, id, png ? "preview.png" : "image.exr", &image, &err)) {
+    if (!remote_fetch(&j.remote, j.id, png ? "preview.png" : "image.exr", &image, &err)) {
         status = cmd_fail(&err);
     } else if (!save_file(output ? output : name, &image, &err)) {
         cmd_fail(&err);
         status = CMD_SYSTEM;
     }
     buf_release(&image);
-    remote_close(&remote);
+    remote_close(&j.remote);
     return status;
 }

@@ -17,26 +17,20 @@ static const char usage[] =
 
 int cmd_watch(int argc, char *const *args)
 {
-    const char *server = NULL, *id = NULL;
+    struct cmd_job j = {0};
     bool json = false;
     const struct flags_entry flags[] = {
-        {.name = "server", .kind = FLAGS_TEXT, .value = &server},
+        {.name = "server", .kind = FLAGS_TEXT, .value = &j.server},
         {.name = "json", .kind = FLAGS_SWITCH, .value = &json},
     };
     const struct cmd_spec spec = {"watch", usage, flags, countof(flags), 1, 1};
-    struct remote remote;
-    size_t operands;
     int status;
-    if (!cmd_parse(&spec, argc, args, &id, &operands, &status))
-        return status;
-    if (!cmd_check_id(id))
-        return CMD_USAGE;
-    if (!cmd_open(&remote, server, &status))
+    if (!cmd_open_job(&j, &spec, argc, args, &status))
         return status;
     watch_block();
-    status = cmd_follow(&remote, id, json, true);
+    status = cmd_follow(&j.remote, j.id, json, true);
     if (status == CMD_INTERRUPTED)
-        fprintf(stderr, "smalti: job %s goes on\n", id);
-    remote_close(&remote);
+        fprintf(stderr, "smalti: job %s goes on\n", j.id);
+    remote_close(&j.remote);
     return status;
 }
