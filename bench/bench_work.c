@@ -13,7 +13,6 @@
 #include <string.h>
 
 #include "common/clock.h"
-#include "common/scene_disk.h"
 #include "common/trace/bvh_cost.h"
 #include "common/trace/prep.h"
 #include "common/trace/render.h"
@@ -91,18 +90,12 @@ static void measure(const char *name, struct scene *scene)
 
 static void measure_document(const char *name)
 {
-    struct arena arena = {0};
-    struct scene_disk disk;
-    struct scene_errors errors = {0};
-    char path[64];
-    uint32_t unread;
-    snprintf(path, sizeof path, "scenes/%s.json", name);
-    if (!scene_disk_open(&disk, path, &arena, &errors) ||
-        !scene_disk_load(&disk, &arena, &unread, &errors))
-        printf("%s is left out: %s\n", path, errors.count ? errors.list[0].what : "not there");
+    struct scenes s;
+    if (!scenes_open(&s, name))
+        printf("scenes/%s.json is left out: it cannot be read\n", name);
     else
-        measure(name, &disk.scene);
-    arena_release(&arena);
+        measure(name, &s.scene);
+    scenes_release(&s);
 }
 
 /* A wavy ball of 130 thousand triangles in a lit room; open: under a sky alone. */

@@ -6,7 +6,6 @@
 
 #include "bench/corpus_parts.h"
 #include "common/base.h"
-#include "common/scene_disk.h"
 
 /* --- rooms --- */
 
@@ -300,17 +299,8 @@ enum corpus_part corpus_part(uint32_t i)
 
 bool corpus_open(const char *name, struct scenes *s)
 {
-    char path[64];
-    struct scene_disk disk;
-    struct scene_errors errors;
-    uint32_t unread = 0;
-    *s = (struct scenes){0};
-    strcpy(path, "scenes/");
-    strcat(strcat(path, name), ".json");
-    if (!scene_disk_open(&disk, path, &s->arena, &errors) ||
-        !scene_disk_load(&disk, &s->arena, &unread, &errors) || unread)
+    if (!scenes_open(s, name))
         return false;
-    s->scene = disk.scene;
     struct scene_film *f = &s->scene.film;
     *f = (struct scene_film){.width_px = CORPUS_WIDTH_PX,
                              .height_px = CORPUS_HEIGHT_PX,

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "common/estimate.h"
+#include "common/scene_disk.h"
 #include "common/trace/prep.h"
 #include "common/trace/render.h"
 
@@ -28,6 +29,21 @@ void scenes_init(struct scenes *s, uint32_t width_px, uint32_t height_px)
     scene->meshes = arena_new(&s->arena, struct mesh, SCENES_MAX);
     scene->lights = arena_new(&s->arena, struct light, SCENES_MAX);
     scenes_look(s, vec3_make(0, 0, 0), vec3_make(0, 0, -1), pi / 2);
+}
+
+bool scenes_open(struct scenes *s, const char *name)
+{
+    char path[64];
+    struct scene_disk disk;
+    struct scene_errors errors = {0};
+    uint32_t unread = 0;
+    *s = (struct scenes){0};
+    snprintf(path, sizeof path, "scenes/%s.json", name);
+    if (!scene_disk_open(&disk, path, &s->arena, &errors) ||
+        !scene_disk_load(&disk, &s->arena, &unread, &errors) || unread)
+        return false;
+    s->scene = disk.scene;
+    return true;
 }
 
 void scenes_release(struct scenes *s)
@@ -154,6 +170,16 @@ struct shape *scenes_box(struct scenes *s, uint32_t material, vec3 lo, vec3 hi, 
         first = first ? first : q;
     }
     return first;
+}
+
+void scenes_cube(struct scenes *s, uint32_t width_px, uint32_t height_px, int light)
+{
+    scenes_init(s, width_px, height_px);
+    scenes_look(s, vec3_make(0, 0, 0), vec3_make(0, 0, -1), pi / 2);
+    s->scene.settings.max_bounces = 1;
+    scenes_box(s, scenes_diffuse(s, rgb_gray(1)), vec3_make(-.5f, -.5f, -.5f),
+               vec3_make(.5f, .5f, .5f), true);
+    s->scene.shapes[light].emission = rgb_gray(1);
 }
 
 struct scenes_mesh scenes_mesh(struct scenes *s, uint32_t material, uint32_t vertices,

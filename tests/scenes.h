@@ -19,6 +19,9 @@ struct scenes {
 
 /* A box filter of one pixel, 64 bounces, seed 1, a camera at the origin. */
 void scenes_init(struct scenes *, uint32_t width_px, uint32_t height_px);
+/* scenes/NAME.json, with all its files, to be changed before the stage is made. False: it cannot be
+ * read. To be released in either case. */
+bool scenes_open(struct scenes *, const char *name);
 void scenes_release(struct scenes *); /* the stage goes with it */
 
 void scenes_look(struct scenes *, vec3 from, vec3 at, double fov_y_rad);
@@ -36,6 +39,8 @@ struct shape *scenes_cylinder(struct scenes *, uint32_t material, vec3 from, vec
 /* The parallelogram corner, corner + a, corner + a + b, corner + b; its front is where a x b is. */
 struct shape *scenes_quad(struct scenes *, uint32_t material, vec3 corner, vec3 a, vec3 b);
 struct shape *scenes_triangle(struct scenes *, uint32_t material, vec3 a, vec3 b, vec3 c);
+/* A white cube of 1 m around the camera, which sees its far wall; one wall shines, by 1. */
+void scenes_cube(struct scenes *, uint32_t width_px, uint32_t height_px, int light);
 /* The first of six quads. Their fronts are inside or outside. */
 struct shape *scenes_box(struct scenes *, uint32_t material, vec3 lo, vec3 hi, bool inside);
 /* Room for a mesh, all 0, to be filled before the stage is made. */

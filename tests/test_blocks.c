@@ -3,9 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "common/scene_disk.h"
-#include "common/trace/prep.h"
 #include "common/trace/render.h"
+#include "tests/scenes.h"
 #include "tests/tap.h"
 
 /* --- sets --- */
@@ -127,29 +126,19 @@ static void parts_make_the_whole(const struct stage *s, uint32_t layers, const c
 
 static void of_document(const char *name, uint32_t max_bounces, float clamp, uint32_t layers)
 {
-    struct arena arena = {0}, scratch = {0};
-    struct scene_disk disk;
-    struct scene_errors errors = {0};
-    struct err err = {0};
-    const struct stage *stage;
-    char path[64], what[96];
-    uint32_t unread;
-    snprintf(path, sizeof path, "scenes/%s.json", name);
+    struct scenes s;
+    char what[96];
     snprintf(what, sizeof what, "%s, %u bounces%s%s", name, max_bounces,
              clamp > 0 ? ", clamped" : "", layers ? ", layers" : "");
-    if (!ok(scene_disk_open(&disk, path, &arena, &errors) &&
-                scene_disk_load(&disk, &arena, &unread, &errors),
-            "%s opens", path))
-        return;
-    struct scene_film *f = &disk.scene.film;
-    f->width_px = f->crop_x_end = 53;
-    f->height_px = f->crop_y_end = 40;
-    disk.scene.settings.max_bounces = max_bounces;
-    disk.scene.settings.clamp = clamp;
-    if (ok(prep_stage(&disk.scene, NULL, &arena, &scratch, &stage, &err), "%s %s", path, err.text))
-        parts_make_the_whole(stage, layers, what);
-    arena_release(&scratch);
-    arena_release(&arena);
+    if (ok(scenes_open(&s, name), "%s opens", name)) {
+        struct scene_film *f = &s.scene.film;
+        f->width_px = f->crop_x_end = 53;
+        f->height_px = f->crop_y_end = 40;
+        s.scene.settings.max_bounces = max_bounces;
+        s.scene.settings.clamp = clamp;
+        parts_make_the_whole(scenes_stage(&s), layers, what);
+    }
+    scenes_release(&s);
 }
 
 /* --- into a film --- */

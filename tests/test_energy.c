@@ -148,12 +148,7 @@ static void discs(float r1, float r2, float h, const char *name)
 static void cube_walls(int light, double factor, const char *name)
 {
     struct scenes s;
-    scenes_init(&s, 8, 8);
-    scenes_look(&s, vec3_make(0, 0, 0), vec3_make(0, 0, -1), pi / 2);
-    s.scene.settings.max_bounces = 1;
-    scenes_box(&s, scenes_diffuse(&s, rgb_gray(1)), vec3_make(-.5f, -.5f, -.5f),
-               vec3_make(.5f, .5f, .5f), true);
-    s.scene.shapes[light].emission = rgb_gray(1);
+    scenes_cube(&s, 8, 8, light);
     judge_scene(&s, 5120, factor, name);
 }
 

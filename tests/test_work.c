@@ -4,9 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "common/scene_disk.h"
 #include "common/trace/bvh_cost.h"
-#include "common/trace/prep.h"
 #include "common/trace/render.h"
 #include "common/trace/work.h"
 #include "tests/scenes.h"
@@ -103,30 +101,20 @@ static void is_a_sum(const struct stage *s, const char *name)
 static void of_document(const char *name, enum sampler_kind sampler,
                         enum integrator_kind integrator)
 {
-    struct arena arena = {0}, scratch = {0};
-    struct scene_disk disk;
-    struct scene_errors errors = {0};
-    struct err err = {0};
-    const struct stage *stage;
-    char path[64], what[96];
-    uint32_t unread;
-    snprintf(path, sizeof path, "scenes/%s.json", name);
+    struct scenes s;
+    char what[96];
     snprintf(what, sizeof what, "%s, sampler %d, integrator %d", name, (int)sampler,
              (int)integrator);
-    if (!ok(scene_disk_open(&disk, path, &arena, &errors) &&
-                scene_disk_load(&disk, &arena, &unread, &errors),
-            "%s opens", path))
-        return;
-    struct scene_film *f = &disk.scene.film;
-    f->width_px = f->crop_x_end = frame.x_end;
-    f->height_px = f->crop_y_end = frame.y_end;
-    disk.scene.settings.sampler = sampler;
-    disk.scene.settings.integrator = integrator;
-    disk.scene.settings.max_bounces = min_u32(disk.scene.settings.max_bounces, 12);
-    if (ok(prep_stage(&disk.scene, NULL, &arena, &scratch, &stage, &err), "%s %s", path, err.text))
-        is_a_sum(stage, what);
-    arena_release(&scratch);
-    arena_release(&arena);
+    if (ok(scenes_open(&s, name), "%s opens", name)) {
+        struct scene_film *f = &s.scene.film;
+        f->width_px = f->crop_x_end = frame.x_end;
+        f->height_px = f->crop_y_end = frame.y_end;
+        s.scene.settings.sampler = sampler;
+        s.scene.settings.integrator = integrator;
+        s.scene.settings.max_bounces = min_u32(s.scene.settings.max_bounces, 12);
+        is_a_sum(scenes_stage(&s), what);
+    }
+    scenes_release(&s);
 }
 
 /* Smooth normals: rays are traced to find out where light may be gathered. */
