@@ -62,14 +62,19 @@ bool study_pilots(struct study *t, struct arena *arena)
 
 /* --- the outlook --- */
 
-/* Samples of a pixel to the target, by the outlook, if its slope is so many times as steep. A
- * document without an error says it itself. */
-static double spp_to_target(const struct plan *plan, double steep)
+static double unseen_of(const struct plan_pilot *p) /* doublings */
+{
+    const double unseen = UNSEEN * p->spread * p->spread;
+    return unseen < MOST_UNSEEN ? unseen : MOST_UNSEEN;
+}
+
+/* Samples of a pixel to the target, by the outlook, if the noise is more by so many doublings and
+ * its slope so many times as steep. A document without an error says it itself. */
+static double spp_to_target(const struct plan *plan, double more, double steep)
 {
     const struct plan_pilot *p = &plan->outlook;
-    const double unseen = UNSEEN * p->spread * p->spread;
-    const double seen = p->variance / p->spp / (plan->error * plan->error); /* too large by */
-    const double square = seen * fmath_exp2(unseen < MOST_UNSEEN ? unseen : MOST_UNSEEN);
+    const double square =
+        p->variance / p->spp / (plan->error * plan->error) * fmath_exp2(more); /* too large by */
     if (!plan->is_asked)
         return plan->spp;
     if (!(square > 0))
@@ -106,7 +111,8 @@ static void look(struct outlook *o)
     plan->outlook = study_shot_sum(o->shot, o->shot);
     if (!o->shot->is_picked && o->shot->reached >= STUDY_DEEP)
         return;
-    const double job = spp_to_target(plan, STEEP) * plan->outlook.work * (double)plan->pixels;
+    const double more = o->shot->is_picked ? unseen_of(&plan->outlook) : 0;
+    const double job = spp_to_target(plan, more, STEEP) * plan->outlook.work * (double)plan->pixels;
     const double all = PLAN_SHARE * job - plan->studied, most = PLAN_OUTLOOK_SHARE * job;
     o->may = all < most ? all : most;
 }
@@ -183,6 +189,7 @@ bool study_outlook(struct study *t, struct arena *arena)
     if (!make_outlook(&o))
         return false;
     plan->studied += spent(&o);
-    plan_forecast(plan, spp_to_target(plan, 1), factor_of(&plan->outlook));
+    plan_forecast(plan, spp_to_target(plan, unseen_of(&plan->outlook), 1),
+                  factor_of(&plan->outlook));
     return true;
 }
