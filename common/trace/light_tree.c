@@ -143,10 +143,13 @@ static const struct stage_light_node *node_at(const struct stage *s, uint32_t no
     return (const struct stage_light_node *)stage_at(s, s->light_nodes) + node;
 }
 
-/* That are looked at. */
-static size_t node_bytes(const struct stage_light_node *n)
+/* What is looked at. Its size is a number in either case, so that there is no loop. */
+static inline void fetch_node(const struct stage_light_node *n, bool round)
 {
-    return n->child[0] & STAGE_LIGHT_ROUND ? offsetof(struct stage_light_node, axis) : sizeof *n;
+    if (round)
+        fetch_lines(n, offsetof(struct stage_light_node, axis));
+    else
+        fetch_lines(n, sizeof *n);
 }
 
 static const struct emitter *emitter_at(const struct stage *s, uint32_t emitter)
@@ -180,9 +183,9 @@ static bool step(const struct stage *s, struct walk *walk, const struct surface 
         fetch_lines(emitter_at(s, pick->emitter), sizeof(struct emitter));
         return false;
     }
-    const size_t bytes = node_bytes(walk->node); /* its lights are the child's, too */
+    const bool round = walk->node->child[0] & STAGE_LIGHT_ROUND; /* then the child's are, too */
     walk->node = node_at(s, child);
-    fetch_lines(walk->node, bytes); /* to be there when it is this walk's turn again */
+    fetch_node(walk->node, round); /* to be there when it is this walk's turn again */
     return true;
 }
 
