@@ -170,7 +170,8 @@ static double asks(const struct adaptive *a, uint32_t round, size_t i)
     const double fewer = (double)a->spp[round - 1] / a->spp[round];
     const double is = (double)round_of(a, round)[i].error2;
     const double was = (double)round_of(a, round - 1)[i].error2 * fewer / foretold;
-    return larger(is, was) / (double)a->share[i];
+    const double share = (double)a->share[i];
+    return larger(is, was) / (round == PILOT && share > 1 ? 1 : share);
 }
 
 /* A heavy tail is its own block's matter; too few samples that show anything are not. */

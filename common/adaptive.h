@@ -24,14 +24,15 @@
  * know it: there g is at least the variance of its samples, less that between its pixels, over n
  * (y^2 + least^2), y the mean of all of them.
  *
- * t = target^2 min(2, max(.05, c d)), d the root of g in the pilot's round. The least work for a
- * given sum of squared errors takes samples in proportion to d (J. Neyman, "On the Two Different
- * Aspects of the Representative Method", J. Royal Statistical Society 97(4), 1934), which leaves
- * squared errors in proportion to d: quiet blocks go on below the target, since they become better
- * at little cost, and so noisy ones need not reach it. But nothing stops at more than twice what
- * was asked for; c is as large as the mean of t allows, which is target^2, and at most 1.5 / mean
- * of d. When all are content the job is due; mostly it is before, and those that have not stopped
- * are the noisiest.
+ * t = target^2 min(2, max(.05, c d)), d the root of g in the pilot's round, in which t is at most
+ * target^2 (where a lamp's edge has not been seen yet, more could end with that). The least work
+ * for a given sum of squared errors takes samples in proportion to d (J. Neyman, "On the Two
+ * Different Aspects of the Representative Method", J. Royal Statistical Society 97(4), 1934), which
+ * leaves squared errors in proportion to d: quiet blocks go on below the target, since they become
+ * better at little cost, and so noisy ones need not reach it. But nothing stops at more than twice
+ * what was asked for; c is as large as the mean of t allows, which is target^2, and at most 1.5 /
+ * mean of d. When all are content the job is due; mostly it is before, and those that have not
+ * stopped are the noisiest.
  *
  * Where the mean of d^2 is not 1.05 times the square of d's mean, that is, where the best
  * allocation would save less than a twentieth, the image is *even*, and nothing stops: rounds that

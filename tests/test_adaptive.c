@@ -99,13 +99,16 @@ static void single_blocks(void)
     ok(stopped_at(tail, quiet, quiet, noisy) == 64, "that can be outgrown");
     ok(stopped_at(dark, dark, dark, noisy) == 32, "where nothing is nothing more is to be seen");
     ok(stopped_at(black, black, black, noisy) == 0, "black by chance is no evidence");
+    const struct adaptive_block above = {.015f, 1000}, more = {.025f, 1000};
+    ok(stopped_at(above, above, above, noisy) == 64, "above the target one stops, but not at once");
+    ok(stopped_at(more, more, more, noisy) == 0, "and not at more than twice its square");
     ok(stopped_at(quiet, quiet, quiet, rare) == 0,
        "a block waits for what its neighbour has not seen");
     ok(stopped_at(quiet, quiet, quiet, black) == 0, "which may be anything where that is black");
     ok(stopped_at(quiet, quiet, quiet, tail) == 32, "a neighbour's heavy tail is its own matter");
-    const struct adaptive_block good = {.005f, 1000}; /* allowed are .02 */
-    ok(stopped_at((struct adaptive_block){.048f, 1000}, good, good, good) == 32 &&
-           stopped_at((struct adaptive_block){.049f, 1000}, good, good, good) == 64,
+    const struct adaptive_block good = {.005f, 1000}; /* allowed are .01 */
+    ok(stopped_at((struct adaptive_block){.024f, 1000}, good, good, good) == 32 &&
+           stopped_at((struct adaptive_block){.025f, 1000}, good, good, good) == 64,
        "a tenth more is foretold enough");
 }
 
@@ -196,7 +199,7 @@ static bool is_due(double of, float neff)
 }
 
 /* A quarter of the blocks are content now, with little error, and would have been before, with so
- * much, for any target from the root of half of that on; the others never are. */
+ * much, for any target from the root of that on; the others never are. */
 static bool is_due_after(float before)
 {
     struct adaptive a;
@@ -219,7 +222,7 @@ static void ends(void)
     ok(is_due(.999, 1000) && !is_due(1.001, 1000),
        "a job is due when the mean of the squared errors is the target's square");
     ok(is_due(.999, 17) && !is_due(.999, 15), "and 256 samples have told");
-    ok(is_due_after(.2f) && !is_due_after(.019f),
+    ok(is_due_after(.2f) && !is_due_after(.0098f),
        "but not while one with a larger target would go on");
     struct adaptive a;
     start(&a, 1, 1, 1);
