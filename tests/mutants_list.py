@@ -67,6 +67,8 @@ MUTANTS = [
         [("bsdf_glass.c", "const float nn = wo[2] > 0 ? 1 : s.of.ior * s.of.ior;", "const float nn = 1;")], "glass"),
     bug("what layers hold back given back twice",
         [("stack.c", "return sum * (1.0f / 65535);", "return sum * (2.0f / 65535);")], "coats"),
+    bug("what layers keep from inside is lost",
+        [("bsdf_inside.c", "f += v->clear * kept_eval(v, upright(wo), upright(wi));", "f += rgb_gray(0);")], "inside"),
     bug("Fresnel's n inverted inside",
         [("bsdf.c", "const float f = fresnel_dielectric(wo[2] > 0 ? wo[2] : -wo[2], eta, &cos_t);",
           "fresnel_dielectric(wo[2] > 0 ? wo[2] : -wo[2], eta, &cos_t);\n    float unused;\n"

@@ -77,8 +77,9 @@ static rgb less_mirrored(const struct inside_glass *in, const float parts[INSIDE
            (in->straight * parts[INSIDE_CELLS] + in->steep * parts[INSIDE_CELLS + 1]);
 }
 
-/* A little less of everything: between knots it may be too much. */
+/* A little less of everything: between knots it may be too much, by up to 0.003. */
 #define SHARE 0.995f
+#define SLACK 0.002f
 
 float inside_mirrors(const struct inside_glass *in, float cos)
 {
@@ -90,8 +91,9 @@ rgb inside_left(const struct inside_glass *in, float cos, float missing)
 {
     float parts[INSIDE_PARTS];
     inside_parts(&inside_table, in, cos, parts);
-    const rgb left = less_mirrored(in, parts, missing), none = {0, 0, 0, 0};
-    return vec3_choose(left > none, left, none) * SHARE;
+    const rgb found = less_mirrored(in, parts, missing), none = {0, 0, 0, 0};
+    const rgb left = vec3_choose(found > none, found, none) * SHARE;
+    return left * left / (left + SLACK);
 }
 
 rgb inside_mean(const struct inside_glass *in, float missing_mean)
