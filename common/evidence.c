@@ -95,11 +95,11 @@ double evidence_hill(const double *values, size_t k)
 }
 
 /* The index of the largest k, of half of them, and so on: k / a of a power law of index a is a sum
- * of k exponentials, so that the fewer they are the further it may be off. By chance alone 1 % of
- * tails of index 1.5 are above one of these. */
+ * of k exponentials, so that the fewer they are the further it may be off. By chance alone .5 % of
+ * tails of index 1.5 are above one of these, 3 % of index 1.8. */
 static bool is_heavy(const double *values, size_t k)
 {
-    static const double least[] = {2.2, 2.4, 2.4, 2.5, 3, 5};
+    static const double least[] = {2.2, 2.45, 2.6, 2.8, 3.5, 5.5};
     bool heavy = true;
     for (size_t i = 0; heavy && i < countof(least) && k >> i >= LEAST_LARGEST; i++)
         heavy = evidence_hill(values, k >> i) < least[i];

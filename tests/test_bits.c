@@ -9,6 +9,7 @@
 
 #include "bench/meshes.h"
 #include "common/hash.h"
+#include "common/trace/bvh_turns.h"
 #include "tests/catalog.h"
 #include "tests/crowd.h"
 #include "tests/oracle_bvh.h"
@@ -168,6 +169,23 @@ static void test_crowd(void)
     scenes_release(&s);
 }
 
+/* So many triangles that rays of a batch which go different ways walk in turn. */
+static void test_large(void)
+{
+    struct scenes s;
+    struct tally n = {0};
+    scenes_init(&s, 1, 1);
+    const uint32_t m = scenes_diffuse(&s, rgb_gray(0.5f));
+    scenes_ball(&s, m, vec3_make(0, 0, 0), 3, 220, .3f, false);
+    crowd_add_others(&s, m, 6);
+    const struct stage *stage = scenes_stage(&s);
+    ok(bvh_turns_pay(stage, 3) && !bvh_turns_pay(stage, 4), "%u triangles: rays walk in turn",
+       stage->prim_count);
+    compare(stage, 10, stat_tries(20000, 1500000), &n);
+    judge(&n, "a large mesh among shapes");
+    scenes_release(&s);
+}
+
 /* --- who compiled it --- */
 
 enum { PLAIN_TRIANGLES = 3000 }; /* the first numbers */
@@ -243,6 +261,7 @@ int main(void)
 {
     test_meshes();
     test_crowd();
+    test_large();
     test_golden();
     return tap_done();
 }

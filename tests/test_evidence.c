@@ -141,7 +141,7 @@ static void law_at(enum law law, uint32_t spp, uint32_t tiles)
         percent(v.bars[1], v.bars[0] + v.bars[1]), percent(v.held[1], v.bars[1]),
         percent(v.held[0], v.bars[0]));
     if (law >= PARETO_1_5) /* the nearer to 2, the less sure */
-        ok(v.flagged >= (law == PARETO_1_5 ? .95 : .5) * v.tiles,
+        ok(v.flagged >= (law == PARETO_1_5 || stat_is_long() ? .95 : .8) * v.tiles,
            "F-33: %s, %u spp: tiles without a variance are flagged", law_names[law], spp);
     else
         ok(v.flagged <= .05 * v.tiles, "F-33: %s, %u spp: tiles with one are not", law_names[law],

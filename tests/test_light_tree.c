@@ -375,13 +375,14 @@ static void judge_points(struct scenes s, const char *name)
     const struct stage *stage = scenes_stage(&s);
     const struct surface from = {.p = vec3_make(.25f, 0, 0), .ng = vec3_make(0, 1, 0), .lit = 1};
     const uint32_t *parents = stage_at(stage, stage->light_parents);
-    const uint32_t *slots = stage_at(stage, stage->light_slots);
+    const struct emitter *emitters = stage_at(stage, stage->emitters);
     uint32_t deepest = 0, never = 0;
     double mass = 0;
     for (uint32_t i = 0; i < stage->far_begin; i++) {
         const double p = light_tree_probability(stage, &from, i);
         uint32_t depth = 0;
-        for (uint32_t slot = slots[i]; slot != STAGE_NONE; slot = parents[slot / STAGE_LANES])
+        for (uint32_t slot = emitters[i].slot; slot != STAGE_NONE;
+             slot = parents[slot / STAGE_LANES])
             depth++;
         deepest = depth > deepest ? depth : deepest;
         never += !(p > 0);

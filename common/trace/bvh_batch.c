@@ -1,5 +1,6 @@
 /* Up to eight rays, made ready together; those that go the same way are walked together.
  * SPDX-License-Identifier: MIT */
+#include "common/trace/bvh_turns.h"
 #include "common/trace/bvh_walk.h"
 
 enum { BATCH_FEW = 2 }; /* so many rays or fewer go on alone */
@@ -245,11 +246,15 @@ static __attribute__((noinline)) uint32_t together_any(const struct stage *s, ui
 uint32_t bvh_hit_closest_8(const struct stage *s, uint32_t which, const struct ray rays[],
                            struct ray_hit hits[])
 {
-    return agree(which, rays) ? together_closest(s, which, rays, hits)
-                              : alone_closest(s, which, rays, hits);
+    if (agree(which, rays))
+        return together_closest(s, which, rays, hits);
+    return bvh_turns_pay(s, which) ? bvh_turns_closest(s, which, rays, hits)
+                                   : alone_closest(s, which, rays, hits);
 }
 
 uint32_t bvh_hit_any_8(const struct stage *s, uint32_t which, const struct ray rays[])
 {
-    return agree(which, rays) ? together_any(s, which, rays) : alone_any(s, which, rays);
+    if (agree(which, rays))
+        return together_any(s, which, rays);
+    return bvh_turns_pay(s, which) ? bvh_turns_any(s, which, rays) : alone_any(s, which, rays);
 }

@@ -1,5 +1,5 @@
 /* bvh_walk.h - what one ray's walk through the hierarchy (bvh_hit.c) and that of eight
- * (bvh_batch.c) have in common. Private to the two. SPDX-License-Identifier: MIT */
+ * (bvh_batch.c, bvh_turns.c) have in common. Private to these. SPDX-License-Identifier: MIT */
 #ifndef COMMON_TRACE_BVH_WALK_H
 #define COMMON_TRACE_BVH_WALK_H
 
@@ -109,6 +109,21 @@ static inline __attribute__((always_inline)) uint32_t bvh_nearest_child(const st
     return (uint32_t)first;
 }
 
+/* The last child, which is next to its parent in memory, is returned, the others wait. */
+static inline __attribute__((always_inline)) uint32_t bvh_last_child(const struct bvh_query *q,
+                                                                     const struct bvh_node *node,
+                                                                     uint64_t hits, bvh_entry **top)
+{
+    for (;;) {
+        const uint32_t child = node->child[bvh_lowest(hits)];
+        hits &= hits - 1;
+        if (!hits)
+            return child;
+        bvh_fetch(q, child);
+        *(*top)++ = child;
+    }
+}
+
 /* inside: the instance whose tree it is, or NULL. any: the first hit will do, in no order. True: it
  * has been found. Inlined, so that there is one loop for each answer. */
 static inline __attribute__((always_inline)) bool
@@ -127,14 +142,7 @@ bvh_walk(const struct bvh_query *q, const struct box8_ray *box, const struct bvh
                 ref = bvh_nearest_child(q, node, hits, near, &top);
                 continue;
             }
-            for (;;) { /* the last one first: it is next to its parent in memory */
-                ref = node->child[bvh_lowest(hits)];
-                hits &= hits - 1;
-                if (!hits)
-                    break;
-                bvh_fetch(q, ref);
-                *top++ = ref;
-            }
+            ref = bvh_last_child(q, node, hits, &top);
         }
         if (bvh_ref_kind(ref) == BVH_BLOCK) {
             if (bvh_block_hit(q, inside, bvh_data_at(q, ref), any, best))

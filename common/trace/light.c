@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "common/trace/light.h"
 
+#include "common/trace/fetch.h"
 #include "common/trace/glow.h"
 #include "common/trace/light_cylinder.h"
 #include "common/trace/light_map.h"
@@ -74,10 +75,8 @@ static void fetch_place(const struct stage *s, uint32_t emitter)
     const struct emitter *e = emitter_at(s, emitter);
     if (e->kind != EMITTER_PRIM || e->place.kind != STAGE_TRIANGLE)
         return;
-    const struct stage_block *block =
-        (const struct stage_block *)stage_at(s, s->blocks) + e->place.index / STAGE_LANES;
-    for (size_t i = 0; i < sizeof *block; i += 64)
-        __builtin_prefetch((const unsigned char *)block + i);
+    fetch_lines((const struct stage_block *)stage_at(s, s->blocks) + e->place.index / STAGE_LANES,
+                sizeof(struct stage_block));
 }
 
 void light_pick(const struct stage *s, const struct surface *const from[], const uint32_t bits[],

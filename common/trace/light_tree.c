@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "common/trace/light_tree.h"
 
+#include "common/trace/fetch.h"
 #include "common/trace/simd.h"
 
 /* Cosines below it count as much, so that what is just in sight is not lost in rounding; and angles
@@ -142,18 +143,22 @@ static const struct stage_light_node *node_at(const struct stage *s, uint32_t no
     return (const struct stage_light_node *)stage_at(s, s->light_nodes) + node;
 }
 
+/* That are looked at. */
+static size_t node_bytes(const struct stage_light_node *n)
+{
+    return n->child[0] & STAGE_LIGHT_ROUND ? offsetof(struct stage_light_node, axis) : sizeof *n;
+}
+
+static const struct emitter *emitter_at(const struct stage *s, uint32_t emitter)
+{
+    return (const struct emitter *)stage_at(s, s->emitters) + emitter;
+}
+
 struct walk {
     const struct stage_light_node *node;
     double u;
     uint32_t which; /* of the points */
 };
-
-/* To be there when it is this walk's turn again. */
-static void fetch(const void *at, size_t bytes)
-{
-    for (size_t i = 0; i < bytes; i += 64)
-        __builtin_prefetch((const unsigned char *)at + i);
-}
 
 /* One level down. False: the walk has ended. */
 static bool step(const struct stage *s, struct walk *walk, const struct surface *from,
@@ -172,12 +177,12 @@ static bool step(const struct stage *s, struct walk *walk, const struct surface 
     if (child >= STAGE_LIGHT_LEAF) {
         pick->emitter = child - STAGE_LIGHT_LEAF;
         pick->rest = x;
-        fetch((const struct emitter *)stage_at(s, s->emitters) + pick->emitter,
-              sizeof(struct emitter));
+        fetch_lines(emitter_at(s, pick->emitter), sizeof(struct emitter));
         return false;
     }
+    const size_t bytes = node_bytes(walk->node); /* its lights are the child's, too */
     walk->node = node_at(s, child);
-    fetch(walk->node, sizeof *walk->node);
+    fetch_lines(walk->node, bytes); /* to be there when it is this walk's turn again */
     return true;
 }
 
@@ -208,9 +213,9 @@ double light_tree_probability(const struct stage *s, const struct surface *from,
     double probability = 1;
     struct weights w;
     /* All of the way first, so that its nodes come from memory side by side */
-    for (uint32_t slot = ((const uint32_t *)stage_at(s, s->light_slots))[emitter];
-         slot != STAGE_NONE; slot = parents[slot / STAGE_LANES]) {
-        fetch(node_at(s, slot / STAGE_LANES), sizeof(struct stage_light_node));
+    for (uint32_t slot = emitter_at(s, emitter)->slot; slot != STAGE_NONE;
+         slot = parents[slot / STAGE_LANES]) {
+        fetch_lines(node_at(s, slot / STAGE_LANES), sizeof(struct stage_light_node));
         slots[depth++] = slot;
     }
     while (depth-- > 0) {

@@ -93,7 +93,6 @@ static unsigned char *lay_out(struct prep_plan *p, struct arena *arena)
         {&head->texels, NULL, 1},
         {&head->spots, p->spots, sizeof *p->spots},
         {&head->light_nodes, p->light_nodes, sizeof *p->light_nodes},
-        {&head->light_slots, p->light_slots, sizeof *p->light_slots},
         {&head->light_parents, p->light_parents, sizeof *p->light_parents},
         {&head->maps, p->maps, sizeof *p->maps},
         {&head->map_rows, p->map_rows, sizeof *p->map_rows},

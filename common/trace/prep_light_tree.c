@@ -349,7 +349,7 @@ static uint32_t make_node(struct maker *m, const struct group *of, uint32_t pare
         }
         const uint32_t emitter = m->items[g[lane].begin].emitter;
         n->child[lane] = STAGE_LIGHT_LEAF + emitter;
-        m->plan->light_slots[emitter] = slot;
+        m->plan->emitters[emitter].slot = slot;
     }
     if (round)
         n->child[0] |= STAGE_LIGHT_ROUND;
@@ -377,10 +377,8 @@ void prep_light_tree(struct prep_plan *p, double radius, struct arena *scratch)
     const size_t most = (size_t)count / 2 + count / 7 + 2;
     p->light_nodes = arena_alloc(scratch, most, sizeof *p->light_nodes, STAGE_ALIGN);
     p->light_parents = arena_new(scratch, uint32_t, most);
-    p->light_slots = arena_new(scratch, uint32_t, count);
     const struct group all = group_make(&m, 0, count, 0);
     make_node(&m, &all, STAGE_NONE);
     p->head.light_nodes.count = m.node_count;
-    p->head.light_slots.count = count;
     p->head.light_parents.count = m.node_count;
 }

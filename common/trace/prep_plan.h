@@ -48,7 +48,7 @@ struct prep_plan {
     struct prep_image *pyramid_images; /* what they are made of */
     struct stage_spot *spots;
     struct stage_light_node *light_nodes; /* NULL: no tree */
-    uint32_t *light_slots, *light_parents;
+    uint32_t *light_parents;
     struct stage_map *maps; /* room for all lights' */
     struct stage_map_row *map_rows;
     struct stage_map_pixel *map_pixels;

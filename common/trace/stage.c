@@ -45,7 +45,6 @@ static const struct row rows[] = {
     ROW(texels, unsigned char),
     ROW(spots, struct stage_spot),
     ROW(light_nodes, struct stage_light_node),
-    ROW(light_slots, uint32_t),
     ROW(light_parents, uint32_t),
     ROW(maps, struct stage_map),
     ROW(map_rows, struct stage_map_row),

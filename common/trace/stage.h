@@ -21,7 +21,7 @@
 
 #define STAGE_MAGIC "SMSTAGE"
 
-enum { STAGE_VERSION = 6, STAGE_ALIGN = 64, STAGE_LANES = 8 };
+enum { STAGE_VERSION = 7, STAGE_ALIGN = 64, STAGE_LANES = 8 };
 
 struct stage_span {  /* an array inside the block */
     uint64_t offset; /* bytes from the start of the stage, 64-aligned */
@@ -193,7 +193,11 @@ struct emitter {
     float pick; /* probability of being chosen; they sum to 1 */
     float near_dd;   /* a triangle: the square of how near it is sampled by solid angle (light_solid.h) */
     int32_t partner; /* of a quad's triangles: the other one is so many emitters further on; else 0 */
+    uint32_t slot;   /* in the tree over many lights, 8 node + lane; else 0 */
+    uint32_t pad;
 };
+
+_Static_assert(sizeof(struct emitter) == STAGE_ALIGN, "one of many comes from memory as one line");
 
 struct stage_spot {
     float direction[3]; /* unit */
@@ -353,8 +357,7 @@ struct stage {
     struct stage_span texels;    /* bytes, of all pyramids */
     struct stage_span spots;     /* struct stage_spot */
     struct stage_span light_nodes; /* struct stage_light_node; none: there are too few lights */
-    struct stage_span light_slots; /* uint32_t: of each emitter in the tree, 8 node + lane */
-    struct stage_span light_parents; /* uint32_t: of each node the same; the root is node 0 */
+    struct stage_span light_parents; /* uint32_t: of each node its slot; the root is node 0 */
     struct stage_span maps;          /* struct stage_map */
     struct stage_span map_rows;      /* struct stage_map_row, of all maps */
     struct stage_span map_pixels;    /* struct stage_map_pixel, of all maps */
