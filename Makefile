@@ -9,7 +9,7 @@
 # make bench-accel                   the textbooks' structures beside ours: docs/accel.{csv,svg}
 # make bench-render [BASE=commit]    whole images against a former commit
 # make bench-examples [BASE=commit]  the scenes of scenes/ against a former commit
-# make bench-planner               does the planner choose well? (ARGS=--quick: a fifth of the work)
+# make bench-planner               does the planner choose well? (ARGS=--quick: a third of the work)
 # make bench-adaptive              samples where they are needed against samples everywhere (ARGS=--quick)
 # make bench-cycles                  whole images against Blender's Cycles
 # make charts                        error against work, each method: docs/charts/ (CHARTS=scenes, ARGS=flags)

@@ -18,9 +18,8 @@
 #define WIDE_LIGHT_SR  0.3 /* a light that surfaces find by themselves */
 #define SMALL_LIGHT_SR 0.05
 #define PEAKED_MAP     50.0
-#define RANGE          1.5 /* of a forecast, up and down */
 
-enum { MOST_PIXELS = 4096, MOST_PLACES = 1024, MOST_PATHS = 65536, PILOT_SPP = 16 };
+enum { MOST_PIXELS = 4096, MOST_PLACES = 1024, MOST_PATHS = 65536 };
 
 static const struct plan_method methods[PLAN_REAL] = {
     [PLAN_DIRECT] = {INTEGRATOR_DIRECT, STRATEGY_MIS, SAMPLER_SOBOL},
@@ -218,7 +217,7 @@ uint32_t plan_light_paths(const struct plan *p)
 
 static void size_pilots(struct plan *p, uint32_t count, bool may_pilot)
 {
-    const double samples = (1 - PLACE_SHARE) * samples_of(p) / (count * PILOT_SPP);
+    const double samples = (1 - PLACE_SHARE) * samples_of(p) / (count * PLAN_PILOT_SPP);
     const uint32_t fit = at_most(samples, MOST_PIXELS) / 4 * 4;
     if (count == 1)
         snprintf(p->why_no_pilot, PLAN_WHY, "there is nothing to choose from");
@@ -316,10 +315,10 @@ void plan_choose(struct plan *p)
 
 /* --- the forecast --- */
 
-void plan_forecast(struct plan *p, double spp)
+void plan_forecast(struct plan *p, double spp, double factor)
 {
     p->forecast_spp = spp;
     p->forecast = spp * p->outlook.work * (double)p->pixels;
-    p->forecast_low = p->is_asked ? p->forecast / RANGE : p->forecast;
-    p->forecast_high = p->is_asked ? p->forecast * RANGE : p->forecast;
+    p->forecast_low = p->is_asked ? p->forecast / factor : p->forecast;
+    p->forecast_high = p->is_asked ? p->forecast * factor : p->forecast;
 }

@@ -14,7 +14,8 @@
  * A plan is a pure function of document and assets: it is made of counted work, not of time. The
  * method does not depend on the target, so that a job that goes on to another one ends as if it had
  * been asked for that at once; the forecast does. What planning may cost follows from that: for the
- * method a fifth of a sample of each pixel, whatever the job, for the forecast a share of it.
+ * method a fifth of a sample of each pixel, whatever the job, for the forecast a share of it, the
+ * less the more of it the method has had.
  * SPDX-License-Identifier: MIT */
 #ifndef COMMON_PLAN_H
 #define COMMON_PLAN_H
@@ -23,16 +24,20 @@
 #include "common/scene.h"
 
 enum {
-    PLAN_VERSION = 2,
+    PLAN_VERSION = 3,
     PLAN_WHY = 160,         /* bytes of a reason */
     PLAN_LEAST_PIXELS = 32, /* of a pilot */
+    PLAN_PILOT_SPP = 16,
     PLAN_MAX_BYTES = 16384, /* of a printed plan */
 };
 
 #define PLAN_ERROR         0.01   /* what is planned for when a document asks for no error */
 #define PLAN_SAMPLES       0.2    /* of each pixel, that it may cost to find the method */
-#define PLAN_OUTLOOK_SHARE 0.01   /* of the work forecast, to forecast it */
-#define PLAN_SLOPE         (-1.1) /* of the squared error over samples, log by log, mostly */
+#define PLAN_SHARE         0.018  /* of the work forecast, that all may cost; if the method has: */
+#define PLAN_OUTLOOK_SHARE 0.01   /* of it, to forecast it */
+#define PLAN_SLOPE         (-1.2) /* of the squared error over samples, log by log, mostly, .. */
+#define PLAN_SLOPE_ERROR   0.13
+#define PLAN_FAR_SLOPE     (-1.05) /* .. and where pixels' edges no longer count */
 
 /* --- what the scene is like --- */
 
@@ -131,6 +136,7 @@ enum plan_verdict {
 struct plan_pilot {
     uint32_t pixels, spp; /* what it was */
     double variance;      /* of a sample, by so many, relative to the squares of pixels */
+    double spread;        /* of that: its standard error, relative */
     double slope;         /* of the squared error over samples, log by log, from here on */
     double work;          /* units of a sample */
     double tail;          /* share of the variance in the worst fiftieth of the pixels */
@@ -200,8 +206,8 @@ static inline bool plan_wants(const struct plan *p, enum plan_candidate_kind k)
 /* After the pilots. */
 void plan_choose(struct plan *);
 
-/* After the outlook; spp: of a pixel to the target, by that. */
-void plan_forecast(struct plan *, double spp);
+/* After the outlook; spp: of a pixel to the target, by that, give or take a factor. */
+void plan_forecast(struct plan *, double spp, double factor);
 
 /* What methods are compared by: variance x work. */
 double plan_price(const struct plan_pilot *);

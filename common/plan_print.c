@@ -83,6 +83,7 @@ static void print_pilot(const char *name, const struct plan_pilot *p, struct buf
 {
     say(out, ", \"%s\": {\"pixels\": %u, \"spp\": %u", name, p->pixels, p->spp);
     say_number(out, "variance", p->variance);
+    say_number(out, "spread", p->spread);
     say_number(out, "slope", p->slope);
     say_number(out, "units_per_sample", p->work);
     say_number(out, "tail", p->tail);

@@ -41,7 +41,7 @@ def is_planned_once(f, t, reference):
     t.equal((done["auto"], done["method"]), (True, BSDF), "a furnace: no shadow rays")
     t.equal(done["image"]["digest"], reference, "the image of a document that asks for the same")
     plan = f.get(f"/v1/jobs/{job}/plan")
-    t.ok(plan["version"] == 2 and {**plan["method"], "sampler": "sobol"} == {**BSDF, "sampler": "sobol"} and
+    t.ok(plan["version"] == 3 and {**plan["method"], "sampler": "sobol"} == {**BSDF, "sampler": "sobol"} and
          plan["pilot_pixels"] > 0, "the plan says so, and why", plan["why"])
     scene = os.path.join(f.dir, "auto.json")
     with open(scene, "w") as file:
@@ -105,10 +105,10 @@ def believes_nothing(f, t):
     t.ok(lease["plan"] is True and "tile" not in lease, "the first lease is the plan's, and there is no other", lease)
     pass_lease = {**lease, "tile": 0, "pass": 0, "rect": [0, 0, 64, 64], "samples": [0, 8]}
     t.ok(f.deliver(lease, farm.payload(AUTO, job, pass_lease)).status in (400, 409), "samples are no plan")
-    good = {"version": 2, "method": {"integrator": "path", "strategy": "light", "sampler": "sobol"}}
+    good = {"version": 3, "method": {"integrator": "path", "strategy": "light", "sampler": "sobol"}}
     for body, status, what in (
             (b"{", 400, "no JSON"), ([], 400, "no object"), ({}, 400, "nothing"),
-            ({**good, "version": 1}, 400, "another version"),
+            ({**good, "version": 2}, 400, "another version"),
             ({**good, "method": {"integrator": "auto", "strategy": "mis"}}, 400, "no method"),
             ({**good, "method": {"integrator": "direct", "strategy": "bsdf"}}, 400, "no method there is"),
             ({**good, "method": "path"}, 400, "not even an object"),

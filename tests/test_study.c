@@ -2,12 +2,16 @@
  * methods are those of documents, and plans do not hang on units, seeds or brightness.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "common/base.h"
+#include "common/estimate.h"
 #include "common/trace/prep.h"
 #include "common/trace/render.h"
 #include "common/trace/study.h"
+#include "common/trace/study_shot.h"
+#include "tests/scale.h"
 #include "tests/scenes.h"
 #include "tests/tap.h"
 
@@ -210,24 +214,6 @@ static bool same_plans(const struct plan *a, const struct plan *b)
     return same;
 }
 
-static void scale(struct scenes *s, float unit, float light)
-{
-    struct scene *scene = &s->scene;
-    for (uint32_t i = 0; i < scene->shape_count; i++) {
-        struct shape *shape = &scene->shapes[i];
-        shape->emission *= light;
-        if (shape->kind == SHAPE_SPHERE) {
-            vec3_store(shape->sphere.center, unit * vec3_load(shape->sphere.center));
-            shape->sphere.radius *= unit;
-        } else {
-            for (int k = 0; k < 4; k++)
-                vec3_store(shape->quad.vertices[k], unit * vec3_load(shape->quad.vertices[k]));
-        }
-    }
-    for (int i = 0; i < 3; i++)
-        scene->camera.to_world.m[i][3] *= unit;
-}
-
 static void stable(void)
 {
     struct scenes s;
@@ -241,7 +227,8 @@ static void stable(void)
     uint32_t others = 0;
     for (uint32_t i = 0; i < 10; i++) {
         room(&s, 128);
-        scale(&s, i == 0 ? 1e-3f : i == 1 ? 1e3f : 1, i == 2 ? 1e-6f : i == 3 ? 1e6f : 1);
+        scale_lengths(&s.scene, i == 0 ? 1e-3f : i == 1 ? 1e3f : 1);
+        scale_radiance(&s.scene, i == 2 ? 1e-6f : i == 3 ? 1e6f : 1);
         s.scene.settings.seed = i < 4 ? 1 : i;
         const struct plan plan = plan_of(&s);
         others += plan.chosen != first.chosen;
@@ -301,6 +288,82 @@ static void whatever_the_target(void (*make)(struct scenes *), const char *name)
 static void medium_room(struct scenes *s)
 {
     room(s, 128);
+}
+
+/* --- forecasts --- */
+
+/* The variance that a shot of that scene has, 64 samples deep: of all blocks, or of those picked.
+ */
+static struct plan_pilot shot_of(struct scenes *s, uint32_t picked)
+{
+    struct arena arena = {0};
+    struct study_shot shot;
+    const struct study study = {.stage = scenes_stage(s)};
+    study_shot_init(&shot, study.stage, &arena);
+    if (!study_shot_go(&shot, &study, 256, picked ? STUDY_FIRST : STUDY_DEEP))
+        abort();
+    study_shot_scale(&shot);
+    const double price = study_shot_price(&shot);
+    if (picked && (!(price > 0) || !study_shot_deepen(&shot, &study, picked, STUDY_DEEP)))
+        abort();
+    study_shot_scale(&shot);
+    const struct plan_pilot p = study_shot_sum(&shot, &shot);
+    arena_release(&arena);
+    return p;
+}
+
+static void picked_blocks(void (*make)(struct scenes *), const char *name)
+{
+    enum { SEEDS = 8, PICKED = 32 };
+    double mean = 0, off2 = 0, spread2 = 0;
+    for (uint32_t i = 0; i < SEEDS; i++) {
+        struct scenes s;
+        make(&s);
+        s.scene.settings.seed = i;
+        const struct plan_pilot all = shot_of(&s, 0), some = shot_of(&s, PICKED);
+        const double off = log(some.variance / all.variance);
+        mean += some.variance / all.variance / SEEDS;
+        off2 += off * off / SEEDS;
+        spread2 += some.spread * some.spread / SEEDS;
+        scenes_release(&s);
+    }
+    near(mean, 1, .2, "%s: an eighth of the blocks, picked, says what all say", name);
+    ok(off2 < 1.2 * spread2 && spread2 < .5, "within what it is said to spread: %.2f, said %.2f",
+       sqrt(off2), sqrt(spread2));
+}
+
+/* Samples of a pixel until the error is there, doubled and interpolated. */
+static double spp_until(struct scenes *s, double error)
+{
+    const struct stage *stage = scenes_stage(s);
+    double before = 0, e = 0;
+    uint32_t spp = FILM_REPLICATES;
+    for (;; spp *= 2) {
+        struct film film;
+        scenes_render(stage, spp, &film);
+        before = e;
+        e = estimate_error(&film);
+        film_release(&film);
+        if (e <= error || spp >= 4096)
+            break;
+    }
+    return before > 0 ? spp / 2 * pow(2, log(before / error) / log(before / e)) : spp;
+}
+
+static void foretold(void (*make)(struct scenes *), double error, const char *name)
+{
+    struct scenes s;
+    make(&s);
+    s.scene.settings.target = (struct scene_target){.error = error, .spp = SCENE_MAX_SPP};
+    const struct plan plan = plan_of(&s);
+    const struct plan_method m = plan_method_of(&plan, plan.chosen);
+    s.scene.settings.integrator = m.integrator;
+    s.scene.settings.strategy = m.strategy;
+    const double spp = spp_until(&s, error);
+    ok(plan.forecast_spp < 2.5 * spp && spp < 2.5 * plan.forecast_spp,
+       "%s: forecast of %.0f samples of a pixel, it took %.0f; planning %.2f %%", name,
+       plan.forecast_spp, spp, 100 * plan.studied / plan.forecast);
+    scenes_release(&s);
 }
 
 /* --- scenes of a kind --- */
@@ -369,6 +432,9 @@ int main(void)
     stable();
     whatever_the_target(medium_room, "a room");
     whatever_the_target(furnace, "a furnace");
+    picked_blocks(medium_room, "a room");
+    foretold(medium_room, .15, "a room");
+    foretold(furnace, .02, "a furnace");
     no_light();
     all_light();
     one_pixel();

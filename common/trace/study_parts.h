@@ -9,12 +9,15 @@
 #include "common/trace/rng.h"
 #include "common/trace/study.h"
 
+struct study_shot;
+
 struct study {
     const struct stage *stage;
     const struct study_halt *halt;
     struct plan *plan;
-    struct stage *copy;    /* for other methods than the stage's own; NULL until one is tried */
-    struct film_work work; /* that the study has taken */
+    struct stage *copy;       /* for other methods than the stage's own; NULL until one is tried */
+    struct study_shot *shots; /* of the pilots, by candidate; the outlook goes on with one */
+    struct film_work work;    /* that the study has taken, but for them */
 };
 
 struct study_place {

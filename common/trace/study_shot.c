@@ -4,17 +4,16 @@
 #include <assert.h>
 #include <string.h>
 
-#include "common/trace/fmath.h"
 #include "common/trace/render.h"
 
-enum {
-    SALT = 4,
-    TAIL_PART = 50, /* one in so many pixels is of the tail */
-    MOST_TAIL = 128,
-    THIN = 3, /* of eight replicates, so few have found the light */
-};
+enum { SALT = 4 };
 
-#define FLOOR 0.01 /* of the mean: relative to less than that no error counts (estimate.h) */
+#define PICK_EVENLY 0.5
+
+const uint32_t study_depth_spp[STUDY_DEPTHS] = {[STUDY_FIRST] = FILM_REPLICATES,
+                                                [STUDY_PILOT] = PLAN_PILOT_SPP,
+                                                [STUDY_DEEP] = 64,
+                                                [STUDY_DEEPEST] = 256};
 
 static uint32_t block_side(uint32_t begin, uint32_t end)
 {
@@ -31,14 +30,15 @@ static struct tile_rect block_rect(const struct stage *s, uint32_t i)
     return (struct tile_rect){x, y, x + w, y + h};
 }
 
-void study_shot_init(struct study_shot *shot, const struct stage *s, uint32_t most_blocks,
-                     struct arena *arena)
+void study_shot_init(struct study_shot *shot, const struct stage *s, struct arena *arena)
 {
     const struct tile_rect most = {0, 0, STUDY_BLOCK, STUDY_BLOCK};
+    const size_t pixels = (size_t)STUDY_BLOCKS * STUDY_BLOCK_PIXELS;
     *shot = (struct study_shot){
         .stage = s,
-        .pixels =
-            arena_new(arena, struct study_pixel, (size_t)most_blocks * STUDY_BLOCK * STUDY_BLOCK),
+        .pixels = arena_new(arena, struct study_pixel, pixels),
+        .list = arena_new(arena, struct study_block, STUDY_BLOCKS),
+        .block_pixels = tile_rect_pixels(block_rect(s, 0)),
         .samples = film_samples_make(most, (struct tile_pass){0, 1}, arena),
     };
 }
@@ -78,125 +78,92 @@ static void render(struct study_shot *shot, struct tile_pass pass, struct study_
     take(to, samples);
 }
 
-/* A block from `had` samples of a pixel to spp. Returns its pixels. */
-static uint32_t shoot(struct study_shot *shot, uint32_t block, uint32_t had, uint32_t spp)
+static struct study_pixel *pixels_of(const struct study_shot *shot, uint32_t block)
 {
-    shot->samples.rect = block_rect(shot->stage, block);
-    const uint32_t pixels = tile_rect_pixels(shot->samples.rect);
-    struct study_pixel *to = shot->pixels + (size_t)block * pixels;
-    if (had == 0) {
-        memset(to, 0, pixels * sizeof *to);
-        render(shot, (struct tile_pass){0, STUDY_FIRST_SPP}, to);
-        for (uint32_t i = 0; i < pixels; i++)
-            judge(to[i].sums, STUDY_FIRST_SPP, to[i].early, to[i].mean);
-        had = STUDY_FIRST_SPP;
-    }
-    if (had < spp)
-        render(shot, (struct tile_pass){had, spp}, to);
-    for (uint32_t i = 0; i < pixels; i++)
-        judge(to[i].sums, spp, to[i].square, to[i].mean);
-    return pixels;
+    return shot->pixels + (size_t)block * shot->block_pixels;
 }
 
-bool study_shot_go(struct study_shot *shot, const struct study *t, uint32_t blocks, uint32_t spp)
+/* A block to a depth, if it is not there; by all depths on the way. */
+static void shoot(struct study_shot *shot, uint32_t block, enum study_depth depth)
 {
-    assert(blocks >= shot->blocks && spp >= shot->spp && spp >= STUDY_FIRST_SPP);
-    for (uint32_t i = spp > shot->spp ? 0 : shot->blocks; i < blocks; i++) {
+    struct study_pixel *to = pixels_of(shot, block);
+    struct study_block *b = &shot->list[block];
+    shot->samples.rect = block_rect(shot->stage, block);
+    for (int d = 0; d <= (int)depth; d++) {
+        const uint64_t before = shot->samples.work.units;
+        if (study_depth_spp[d] <= b->spp)
+            continue;
+        render(shot, (struct tile_pass){b->spp, study_depth_spp[d]}, to);
+        b->spp = study_depth_spp[d];
+        b->units += d == STUDY_FIRST ? (double)(shot->samples.work.units - before) : 0;
+        for (uint32_t i = 0; i < shot->block_pixels; i++)
+            judge(to[i].sums, b->spp, to[i].square[d], to[i].mean);
+    }
+}
+
+bool study_shot_go(struct study_shot *shot, const struct study *t, uint32_t blocks,
+                   enum study_depth depth)
+{
+    assert(blocks >= shot->blocks && blocks <= STUDY_BLOCKS);
+    for (uint32_t i = 0; i < blocks; i++) {
         if (study_is_halted(t))
             return false;
-        shot->count = (i + 1) * shoot(shot, i, i < shot->blocks ? shot->spp : 0, spp);
+        shoot(shot, i, depth);
+        shot->list[i].weight = 1;
     }
     shot->blocks = blocks;
-    shot->spp = spp;
-    shot->work = shot->samples.work;
+    shot->depth = depth;
+    shot->reached = depth > shot->reached ? depth : shot->reached;
+    shot->is_picked = false;
     return true;
 }
 
-/* --- what it says --- */
+/* --- some of them deeper --- */
 
-void study_shot_scale(struct study_shot *shot)
+/* Sets each block's share of all noise by its first samples: of none, all have the same. */
+static void share_out(struct study_shot *shot)
 {
-    double mean = 0;
-    for (uint32_t i = 0; i < shot->count; i++)
-        for (int c = 0; c < 3; c++)
-            mean += shot->pixels[i].mean[c] / (3.0 * shot->count);
-    const uint32_t block = shot->count / shot->blocks;
-    for (uint32_t i = 0; i < shot->count; i++)
-        for (int c = 0; c < 3; c++) {
-            double y = 0;
-            for (uint32_t k = 0; k < block; k++)
-                y += shot->pixels[i - i % block + k].mean[c] / block;
-            const double scale = y * y + FLOOR * FLOOR * mean * mean;
-            shot->pixels[i].scale[c] = scale > 0 ? scale : 1; /* all is black, errors are 0 */
-        }
+    double all = 0;
+    for (uint32_t i = 0; i < shot->blocks; i++)
+        all += shot->list[i].share = study_shot_noise(shot, shot, i, STUDY_FIRST);
+    for (uint32_t i = 0; i < shot->blocks; i++)
+        shot->list[i].share = all > 0 ? shot->list[i].share / all : 1.0 / shot->blocks;
 }
 
-static double relative(const double square[3], const double scale[3])
+/* Of being picked, over the mean of all blocks. */
+static double chance_of(const struct study_shot *shot, uint32_t block)
 {
-    return square[0] / scale[0] + square[1] / scale[1] + square[2] / scale[2];
+    return PICK_EVENLY + (1 - PICK_EVENLY) * shot->list[block].share * shot->blocks;
 }
 
-static bool is_thin(const struct study_pixel *p)
+double study_shot_price(struct study_shot *shot)
 {
-    double sum = 0, square = 0;
-    for (int r = 0; r < FILM_REPLICATES; r++) {
-        const double light = p->sums[r][0] + p->sums[r][1] + p->sums[r][2];
-        sum += light;
-        square += light * light;
+    double sum = 0;
+    share_out(shot);
+    for (uint32_t i = 0; i < shot->blocks; i++)
+        sum += chance_of(shot, i) * shot->list[i].units / study_depth_spp[STUDY_FIRST];
+    return sum / shot->blocks;
+}
+
+bool study_shot_deepen(struct study_shot *shot, const struct study *t, uint32_t blocks,
+                       enum study_depth depth)
+{
+    double place = 0.5; /* in the sum of chances: a block is picked where that reaches 1 */
+    for (uint32_t i = 0; i < shot->blocks; i++) {
+        const double chance = chance_of(shot, i) * blocks / shot->blocks;
+        const double p = chance < 1 ? chance : 1;
+        place += p;
+        shot->list[i].weight = 0;
+        if (place < 1)
+            continue;
+        if (study_is_halted(t))
+            return false;
+        place -= 1;
+        shot->list[i].weight = 1 / p;
+        shoot(shot, i, depth);
     }
-    return square > 0 && sum * sum < THIN * square;
-}
-
-struct tail { /* the largest of many numbers, the least first */
-    double largest[MOST_TAIL];
-    uint32_t count, most;
-};
-
-static void tail_note(struct tail *t, double v)
-{
-    uint32_t at = 0;
-    if (t->count == t->most) {
-        if (v <= t->largest[0])
-            return;
-        memmove(t->largest, t->largest + 1, (t->count - 1) * sizeof v);
-        t->count--;
-    }
-    while (at < t->count && t->largest[at] < v)
-        at++;
-    memmove(t->largest + at + 1, t->largest + at, (t->count - at) * sizeof v);
-    t->largest[at] = v;
-    t->count++;
-}
-
-static double slope_of(double early, double late, uint32_t spp)
-{
-    if (!(early > 0) || !(late > 0) || spp <= STUDY_FIRST_SPP)
-        return PLAN_SLOPE;
-    const double measured = fmath_log2(late / early) / fmath_log2((double)spp / STUDY_FIRST_SPP);
-    return PLAN_SLOPE + 0.5 * (measured - PLAN_SLOPE);
-}
-
-struct plan_pilot study_shot_sum(const struct study_shot *shot, const struct study_shot *usual)
-{
-    double all = 0, early = 0, worst = 0;
-    uint32_t thin = 0;
-    struct tail tail = {.most = min_u32(shot->count / TAIL_PART + 1, MOST_TAIL)};
-    for (uint32_t i = 0; i < shot->count; i++) {
-        const double e = relative(shot->pixels[i].square, usual->pixels[i].scale);
-        all += e;
-        early += relative(shot->pixels[i].early, usual->pixels[i].scale);
-        thin += is_thin(&shot->pixels[i]);
-        tail_note(&tail, e);
-    }
-    for (uint32_t i = 0; i < tail.count; i++)
-        worst += tail.largest[i];
-    return (struct plan_pilot){
-        .pixels = shot->count,
-        .spp = shot->spp,
-        .variance = all / (3.0 * shot->count) * shot->spp,
-        .slope = slope_of(early, all, shot->spp),
-        .work = (double)shot->work.units / ((double)shot->count * shot->spp),
-        .tail = all > 0 ? worst / all : 0,
-        .thin = (double)thin / shot->count,
-    };
+    shot->depth = depth;
+    shot->reached = depth > shot->reached ? depth : shot->reached;
+    shot->is_picked = true;
+    return true;
 }

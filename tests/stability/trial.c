@@ -8,6 +8,7 @@
 #include "common/trace/path.h"
 #include "common/trace/prep.h"
 #include "common/trace/render.h"
+#include "tests/scale.h"
 #include "tests/scenes.h"
 
 enum { SIDE = 8, SPP = 16 };
@@ -154,76 +155,6 @@ static struct scene copy_of(const struct scene *from, struct arena *arena)
     return s;
 }
 
-static void scale_light(struct light *l, float k)
-{
-    if (l->kind == LIGHT_POINT) {
-        vec3_store(l->point.position, k * vec3_load(l->point.position));
-        l->point.intensity *= k * k;
-    } else if (l->kind == LIGHT_SPOT) {
-        vec3_store(l->spot.position, k * vec3_load(l->spot.position));
-        l->spot.intensity *= k * k;
-    }
-}
-
-static void scale_camera(struct scene_camera *c, float k)
-{
-    for (int i = 0; i < 3; i++)
-        c->to_world.m[i][3] *= k;
-    if (c->kind == CAMERA_THIN_LENS) {
-        c->lens_radius *= k;
-        c->focus *= k;
-    } else if (c->kind == CAMERA_ORTHOGRAPHIC) {
-        c->width *= k;
-        c->height *= k;
-    }
-}
-
-static void scale_lengths(struct scene *s, float k)
-{
-    for (uint32_t i = 0; i < s->shape_count; i++)
-        for (int n = 0; n < 12; n++)
-            s->shapes[i].to_world.m[n / 4][n % 4] *= k;
-    for (uint32_t i = 0; i < s->light_count; i++)
-        scale_light(&s->lights[i], k);
-    for (uint32_t i = 0; i < s->material_count; i++)
-        if (s->materials[i].kind == MATERIAL_DIELECTRIC)
-            s->materials[i].inside.absorption /= k;
-    scale_camera(&s->camera, k);
-}
-
-static void scale_radiance(struct light *l, float k)
-{
-    switch (l->kind) {
-    case LIGHT_SKY:
-        l->sky.radiance *= k;
-        break;
-    case LIGHT_POINT:
-        l->point.intensity *= k;
-        break;
-    case LIGHT_DISTANT:
-        l->distant.irradiance *= k;
-        break;
-    case LIGHT_SPOT:
-        l->spot.intensity *= k;
-        break;
-    case LIGHT_SUN:
-        l->sun.radiance *= k;
-        l->sun.irradiance *= k;
-        break;
-    case LIGHT_ENVIRONMENT:
-        l->environment.scale *= k;
-        break;
-    }
-}
-
-static void scale_emission(struct scene *s, float k)
-{
-    for (uint32_t i = 0; i < s->shape_count; i++)
-        s->shapes[i].emission *= k;
-    for (uint32_t i = 0; i < s->light_count; i++)
-        scale_radiance(&s->lights[i], k);
-}
-
 /* b is a, each value times k; but where numbers are so small that they lose bits by being so. */
 static bool same_film(const struct film *a, const struct film *b, float k, char why[240])
 {
@@ -264,7 +195,7 @@ static bool bright(const struct wild *w, char why[240])
     struct arena arena = {0};
     struct scene s = copy_of(&w->scene, &arena);
     const float k = w->gain > 1 ? 0x1p-20f : 0x1p+20f;
-    scale_emission(&s, k);
+    scale_radiance(&s, k);
     const bool fine = as_before(w, &s, k, why);
     arena_release(&arena);
     return fine;
