@@ -19,8 +19,8 @@
  * 3 has u32 merged[tile_count] before sum, which follows from spp, and nothing of rounds. Both are
  * read, but not for a job with an error target, which would not be on the way of one that is asked
  * for now. Films of older versions have no blocks. What is refused begins anew. Any one thread.
- * Errors: ERR_NOT_FOUND; ERR_INPUT: not a whole film of this job; ERR_IO. SPDX-License-Identifier:
- * MIT */
+ * Errors: ERR_NOT_FOUND; ERR_INPUT: not a whole film of this job; ERR_IO.
+ * SPDX-License-Identifier: MIT */
 #ifndef SERVER_CHECKPOINT_H
 #define SERVER_CHECKPOINT_H
 
