@@ -53,22 +53,32 @@ static double mean_of(const struct film *f)
     return sum;
 }
 
-/* Squared, less what noise makes of it. */
-static double bias_of(const struct film *f, const struct film *reference, double floor)
+struct bias {
+    double square, error; /* less what noise makes of it, relative to pixels; its standard error */
+    double noise;         /* of the difference of the means: its standard error */
+};
+
+static struct bias bias_of(const struct film *f, const struct film *reference, double floor)
 {
     const size_t pixels = tile_rect_pixels(f->window);
-    double sum = 0;
+    const double n = (double)pixels;
+    double sum = 0, sum2 = 0, noise2 = 0;
     for (size_t i = 0; i < pixels; i++) {
-        double a[3], b[3], ea[3], eb[3];
+        double a[3], b[3], ea[3], eb[3], here = 0, sd = 0;
         film_mean(f, i, a);
         film_mean(reference, i, b);
         estimate_pixel(f, i, ea);
         estimate_pixel(reference, i, eb);
-        for (int c = 0; c < 3; c++)
-            sum += ((a[c] - b[c]) * (a[c] - b[c]) - ea[c] * ea[c] - eb[c] * eb[c]) /
-                   denominator(b[c], floor) / (3.0 * (double)pixels);
+        for (int c = 0; c < 3; c++) {
+            const double off2 = ea[c] * ea[c] + eb[c] * eb[c];
+            here += ((a[c] - b[c]) * (a[c] - b[c]) - off2) / denominator(b[c], floor) / 3;
+            sd += sqrt(off2) / 3; /* channels are off together */
+        }
+        sum += here / n;
+        sum2 += here * here / n;
+        noise2 += sd * sd / (n * n);
     }
-    return sum > 0 ? sum : 0;
+    return (struct bias){fmax(sum, 0), sqrt(fmax(sum2 - sum * sum, 0) / n), sqrt(noise2)};
 }
 
 /* Noise twice as high as the usual method's for as much work, three times running: it is out of the
@@ -177,12 +187,14 @@ double oracle_reach(const struct oracle_curve *c, double e)
     return oracle_units(c, e) / c->units[c->count - 1];
 }
 
-/* Sets what the method leaves out. */
+/* Sets what the method leaves out. Of one that surely lacks light the bias counts as far as it may
+ * reach: what has not been shown to suffice is no rival. */
 static void judge_bias(struct oracle_curve *c, const struct film *f, const struct film *reference)
 {
     const double mean = mean_of(reference);
-    c->bias = bias_of(f, reference, .01 * mean);
+    const struct bias bias = bias_of(f, reference, .01 * mean);
     c->lacks = mean > 0 ? 1 - mean_of(f) / mean : 0;
+    c->bias = c->lacks * mean > 3 * bias.noise ? bias.square + 2 * bias.error : bias.square;
 }
 
 /* As it would have been with its share alone. */

@@ -20,7 +20,7 @@ extern const double oracle_targets[ORACLE_TARGETS]; /* errors, the stricter one 
 struct oracle_curve { /* after 16, 32 .. samples of a pixel */
     uint32_t count;
     double square[ORACLE_LEVELS], units[ORACLE_LEVELS];
-    double bias, lacks; /* of one that leaves light out */
+    double bias, lacks; /* of one that leaves light out: squared error, share */
     bool is_out;        /* of the race, before it had its share */
 };
 
