@@ -188,13 +188,16 @@ double oracle_reach(const struct oracle_curve *c, double e)
 }
 
 /* Sets what the method leaves out. Of one that surely lacks light the bias counts as far as it may
- * reach: what has not been shown to suffice is no rival. */
+ * reach: what has not been shown to suffice is no rival. Else it has none: what looks like it is
+ * noise. */
 static void judge_bias(struct oracle_curve *c, const struct film *f, const struct film *reference)
 {
     const double mean = mean_of(reference);
     const struct bias bias = bias_of(f, reference, .01 * mean);
-    c->lacks = mean > 0 ? 1 - mean_of(f) / mean : 0;
-    c->bias = c->lacks * mean > 3 * bias.noise ? bias.square + 2 * bias.error : bias.square;
+    if (!(mean - mean_of(f) > 3 * bias.noise))
+        return;
+    c->lacks = 1 - mean_of(f) / mean;
+    c->bias = bias.square + 2 * bias.error;
 }
 
 /* As it would have been with its share alone. */

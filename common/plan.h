@@ -34,7 +34,7 @@ enum {
 #define PLAN_ERROR         0.01   /* what is planned for when a document asks for no error */
 #define PLAN_SAMPLES       0.2    /* of each pixel, that it may cost to find the method */
 #define PLAN_SHARE         0.018  /* of the work forecast, that all may cost; if the method has: */
-#define PLAN_OUTLOOK_SHARE 0.01   /* of it, to forecast it */
+#define PLAN_OUTLOOK_SHARE 0.009  /* of it, to forecast it */
 #define PLAN_SLOPE         (-1.2) /* of the squared error over samples, log by log, mostly, .. */
 #define PLAN_SLOPE_ERROR   0.13
 #define PLAN_FAR_SLOPE     (-1.05) /* .. and where pixels' edges no longer count */

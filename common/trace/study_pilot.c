@@ -103,7 +103,9 @@ static double spent(const struct outlook *o)
     return (double)o->shot->samples.work.units - o->had;
 }
 
-/* What is known since some blocks are deep is not given up for what all say. */
+/* What it may take goes by the noise that was seen, and later by half of what was not, so that no
+ * job is thought too large. What is known since some blocks are deep is not given up for what all
+ * say. */
 static void look(struct outlook *o)
 {
     struct plan *plan = o->study->plan;
@@ -111,7 +113,7 @@ static void look(struct outlook *o)
     plan->outlook = study_shot_sum(o->shot, o->shot);
     if (!o->shot->is_picked && o->shot->reached >= STUDY_DEEP)
         return;
-    const double more = o->shot->is_picked ? unseen_of(&plan->outlook) : 0;
+    const double more = o->shot->is_picked ? 0.5 * unseen_of(&plan->outlook) : 0;
     const double job = spp_to_target(plan, more, STEEP) * plan->outlook.work * (double)plan->pixels;
     const double all = PLAN_SHARE * job - plan->studied, most = PLAN_OUTLOOK_SHARE * job;
     o->may = all < most ? all : most;
