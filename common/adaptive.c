@@ -7,17 +7,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/estimate.h"
 #include "common/evidence.h"
 
-enum { EIGHTHS = 8, STEP_SPP = 256, PILOT = 2 }; /* PILOT: the index of its round */
+enum { EIGHTHS = 8, STEP_SPP = 256, PILOT = ADAPTIVE_PILOT_ROUND };
 
-/* The upper end of a block's interval may be above its error by so much, as a square. At 1.2 two to
- * four of a hundred stopped blocks were off by more than 1.2 of the target; at 1.1 half as many,
- * for no more work. */
-static const double slack = 1.21;
 /* Work that the best allocation could save: below that nothing stops. */
 static const double worthwhile = 1.05;
+/* Of a block, of the target's square. */
+static const double least_share = .05, most_share = 2;
+/* What is left below most_share may have so much more than its part of Neyman's. */
+static const double most_raised = 1.5;
 /* What the round before must have foretold: a tenth more error, as a square. */
 static const double foretold = 1.21;
 
@@ -94,59 +93,6 @@ void adaptive_release(struct adaptive *a)
     *a = (struct adaptive){0};
 }
 
-/* ---- a look ---- */
-
-/* Of the film, whatever a worker may have sent. */
-static float sane(double x)
-{
-    return x <= (double)FLT_MAX ? (float)x : FLT_MAX;
-}
-
-static float effective(const struct film *f, size_t i, struct evidence_block e, uint32_t spp)
-{
-    if (f->blocks[i].sum > 0)
-        return e.verdict == EVIDENCE_HEAVY ? -sane((double)e.neff) : sane((double)e.neff);
-    const bool fine = e.verdict == EVIDENCE_TRUSTED || spp >= ADAPTIVE_DARK_SPP;
-    return fine ? INFINITY : 0;
-}
-
-static struct adaptive_block look_at(const struct film *f, size_t i, struct evidence_block e,
-                                     const struct adaptive_look *l)
-{
-    const struct estimate_part part = estimate_part(f, block_rect_of(f->window, i), l->least);
-    const double high = part.high / slack;
-    return (struct adaptive_block){sane(part.error2 > high ? part.error2 : high),
-                                   effective(f, i, e, l->spp)};
-}
-
-/* Those that have been flagged in each round from the pilot to this one: none of them has stopped,
- * whatever the target. NULL: that is not to be asked yet, all are equal. */
-static const bool *held(const struct adaptive *a, uint32_t spp, struct arena *arena)
-{
-    if (spp <= ADAPTIVE_PILOT_SPP)
-        return NULL;
-    bool *is_held = arena_new(arena, bool, a->count);
-    for (size_t i = 0; i < a->count; i++) {
-        is_held[i] = true;
-        for (uint32_t r = PILOT; is_held[i] && r < a->rounds && a->spp[r] < spp; r++)
-            is_held[i] = a->blocks[r * a->count + i].neff < 0;
-    }
-    return is_held;
-}
-
-struct adaptive_look adaptive_look(const struct film *f, uint32_t spp, const struct adaptive *a,
-                                   struct arena *arena)
-{
-    assert(adaptive_judges(spp) && (spp <= ADAPTIVE_PILOT_SPP || a->rounds > PILOT));
-    struct adaptive_look l = {spp, spp > ADAPTIVE_PILOT_SPP ? a->least : estimate_least(f),
-                              arena_new(arena, struct adaptive_block, a->count)};
-    const struct evidence e = evidence_among(f, held(a, spp, arena), arena);
-    for (size_t i = 0; i < a->count; i++)
-        l.blocks[i] = film_block_spp(f, i) == spp ? look_at(f, i, e.blocks[i], &l)
-                                                  : (struct adaptive_block){.error2 = -1};
-    return l;
-}
-
 /* ---- what follows ---- */
 
 static const struct adaptive_block *round_of(const struct adaptive *a, uint32_t round)
@@ -154,25 +100,40 @@ static const struct adaptive_block *round_of(const struct adaptive *a, uint32_t 
     return a->blocks + round * a->count;
 }
 
+static double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
 static double pixels_of(const struct adaptive *a, size_t i)
 {
     return tile_rect_pixels(block_rect_of(a->window, i));
 }
 
-/* d of the header. */
-static double noise_around(const struct adaptive *a, size_t at)
+/* t / target^2 of the header, for a multiple of d. */
+static double share_of(double noise)
 {
-    const struct adaptive_block *pilot = round_of(a, PILOT);
-    const size_t columns = block_columns(a->window);
-    const struct tile_rect r = block_around(a->window, at);
-    double sum = 0, pixels = 0;
-    for (uint32_t y = r.y_begin; y < r.y_end; y++)
-        for (uint32_t x = r.x_begin; x < r.x_end; x++) {
-            const size_t i = y * columns + x;
-            sum += pixels_of(a, i) * (double)pilot[i].error2;
-            pixels += pixels_of(a, i);
-        }
-    return sqrt(sum / pixels);
+    return noise < least_share ? least_share : noise < most_share ? noise : most_share;
+}
+
+/* The sum of the shares, times pixels, at this many times of the blocks' noise. */
+static double sum_of_shares(const struct adaptive *a, double times)
+{
+    double sum = 0;
+    for (size_t i = 0; i < a->count; i++)
+        sum += pixels_of(a, i) * share_of(times * sqrt((double)round_of(a, PILOT)[i].error2));
+    return sum;
+}
+
+/* As many times as the mean of the shares allows, by halving. */
+static double times_noise(const struct adaptive *a, double mean)
+{
+    double low = 0, high = most_raised / mean;
+    for (int i = 0; i < 50; i++) {
+        const double middle = (low + high) / 2;
+        *(sum_of_shares(a, middle) <= tile_rect_pixels(a->window) ? &low : &high) = middle;
+    }
+    return low;
 }
 
 /* What the pilot says once and for all. */
@@ -181,24 +142,17 @@ static void settle(struct adaptive *a)
     const struct adaptive_block *pilot = round_of(a, PILOT);
     double lit = 0, sum = 0, square = 0;
     for (size_t i = 0; i < a->count; i++) {
-        const double d = noise_around(a, i);
         lit += pilot[i].neff != 0 && isfinite(pilot[i].neff);
-        sum += pixels_of(a, i) * d;
-        square += pixels_of(a, i) * d * d;
-        a->share[i] = sane(d);
+        sum += pixels_of(a, i) * sqrt((double)pilot[i].error2);
+        square += pixels_of(a, i) * (double)pilot[i].error2;
     }
     const double shared = ADAPTIVE_LEAST_NEFF / (lit > 1 ? lit : 1);
-    const double pixels = tile_rect_pixels(a->window), mean = sum / pixels;
-    a->even = mean > 0 && square / pixels < worthwhile * mean * mean;
+    const double mean = sum / tile_rect_pixels(a->window);
+    a->even = mean > 0 && square / tile_rect_pixels(a->window) < worthwhile * mean * mean;
     a->need = shared > EVIDENCE_LEAST ? shared : EVIDENCE_LEAST;
+    const double times = mean > 0 ? times_noise(a, mean) : 0;
     for (size_t i = 0; i < a->count; i++)
-        a->share[i] = (double)a->share[i] < mean ? (float)((double)a->share[i] / mean) : 1;
-}
-
-/* t of the header. */
-static double allowed(const struct adaptive *a, size_t i)
-{
-    return a->target * a->target * (double)a->share[i];
+        a->share[i] = (float)share_of(times * sqrt((double)pilot[i].error2));
 }
 
 static bool has_evidence(const struct adaptive *a, uint32_t round, size_t i)
@@ -207,13 +161,17 @@ static bool has_evidence(const struct adaptive *a, uint32_t round, size_t i)
     return b.error2 >= 0 && (double)b.neff >= a->need;
 }
 
-static bool becomes_content(const struct adaptive *a, uint32_t round, size_t i)
+/* The square of the least target for which this round, and the one before, make the block content;
+ * +infinity: for none. */
+static double asks(const struct adaptive *a, uint32_t round, size_t i)
 {
-    if (!has_evidence(a, round, i) || !has_evidence(a, round - 1, i))
-        return false;
-    const double t = allowed(a, i), fewer = (double)a->spp[round - 1] / a->spp[round];
-    return (double)round_of(a, round)[i].error2 <= t &&
-           (double)round_of(a, round - 1)[i].error2 * fewer <= foretold * t;
+    if (a->even || !has_evidence(a, round, i) || !has_evidence(a, round - 1, i))
+        return (double)INFINITY;
+    const double fewer = (double)a->spp[round - 1] / a->spp[round];
+    const double is = (double)round_of(a, round)[i].error2;
+    const double was = (double)round_of(a, round - 1)[i].error2 * fewer / foretold;
+    const double share = (double)a->share[i];
+    return larger(is, was) / (round == PILOT && share > 1 ? 1 : share);
 }
 
 /* A heavy tail is its own block's matter; too few samples that show anything are not. */
@@ -239,10 +197,10 @@ static void follow(struct adaptive *a, uint32_t round)
 {
     if (round == PILOT)
         settle(a);
-    if (!(a->target > 0) || round < PILOT || a->even)
+    if (!(a->target > 0) || round < PILOT)
         return;
     for (size_t i = 0; i < a->count; i++)
-        if (a->content[i] == ADAPTIVE_NEVER && becomes_content(a, round, i))
+        if (a->content[i] == ADAPTIVE_NEVER && asks(a, round, i) <= a->target * a->target)
             a->content[i] = (uint8_t)round;
     for (size_t i = 0; i < a->count; i++)
         if (a->stop[i] == ADAPTIVE_NEVER && a->content[i] != ADAPTIVE_NEVER &&
@@ -297,6 +255,13 @@ void adaptive_add(struct adaptive *a, const struct adaptive_look *l)
 
 /* ---- decisions ---- */
 
+/* Of a target with this square. All content, all shares used: the same number on both sides, but
+ * for rounding. */
+static double most_for(const struct adaptive *a, double target2)
+{
+    return target2 * tile_rect_pixels(a->window) * (1 + 1e-9);
+}
+
 /* Of the whole image, in this round. */
 struct state {
     double error2;    /* the sum, times pixels */
@@ -308,14 +273,69 @@ static void judge(const struct adaptive *a, uint32_t round, size_t i, struct sta
 {
     const bool content = a->content[i] <= round;
     const struct adaptive_block b = round_of(a, content ? a->content[i] : round)[i];
-    const double t = allowed(a, i), neff = fabs((double)b.neff);
-    const double g =
-        b.error2 < 0 ? DBL_MAX : (double)b.error2; /* not sampled: not one's own doing */
-    to->error2 += pixels_of(a, i) * (content || g <= t ? t : g);
+    const double neff = fabs((double)b.neff);
+    /* Not sampled: not one's own doing. */
+    to->error2 += pixels_of(a, i) * (b.error2 < 0 ? DBL_MAX : (double)b.error2);
     if (isinf(neff))
         return;
     to->lit = true;
     to->effective += content || neff > a->need ? a->need : neff;
+}
+
+/* For targets whose square is `from` and more a block's error counts by so much more. */
+struct change {
+    double from, more;
+};
+
+static int rising(const void *a, const void *b)
+{
+    const struct change *x = a, *y = b;
+    if (x->from != y->from)
+        return x->from < y->from ? -1 : 1;
+    return (x->more > y->more) - (x->more < y->more);
+}
+
+/* Where the block would have become content before, for larger and larger targets. */
+static size_t changes_of(const struct adaptive *a, uint32_t round, size_t i, struct change *to)
+{
+    const double now = a->target * a->target;
+    struct change found[ADAPTIVE_MAX_ROUNDS];
+    size_t count = 0;
+    double least = (double)INFINITY; /* of the targets, to be content in a round before */
+    for (uint32_t r = PILOT; r <= round && least > now; r++) {
+        const double from = asks(a, r, i), g = (double)round_of(a, r)[i].error2;
+        if (from >= least)
+            continue;
+        found[count++] = (struct change){from, g};
+        least = from;
+    }
+    double after = least <= now ? found[--count].more : (double)round_of(a, round)[i].error2;
+    for (size_t k = 0; k < count; k++) { /* the least target last: from there on */
+        to[k] = found[count - 1 - k];
+        const double g = to[k].more;
+        to[k].more = pixels_of(a, i) * (g - after);
+        after = g;
+    }
+    return count;
+}
+
+/* Would a job with any larger target have met it in this round, too? error2: the sum, for one's
+ * own. */
+static bool is_due_for_larger(const struct adaptive *a, uint32_t round, double error2)
+{
+    struct change *changes = arena_malloc(a->count * (round - PILOT + 1), sizeof *changes);
+    size_t count = 0;
+    for (size_t i = 0; i < a->count; i++)
+        count += changes_of(a, round, i, changes + count);
+    qsort(changes, count, sizeof *changes, rising);
+    bool due = true;
+    for (size_t k = 0; due && k < count; k++) {
+        error2 += changes[k].more;
+        const bool last = k + 1 == count || changes[k + 1].from > changes[k].from;
+        due = !last || error2 <= most_for(a, changes[k].from);
+    }
+    free(changes);
+    return due;
 }
 
 /* Before the pilot, when all blocks have as many samples: only with evidence everywhere. */
@@ -339,14 +359,14 @@ bool adaptive_is_due(const struct adaptive *a, uint32_t spp)
     const uint32_t round = round_that_ends_at(a, spp);
     if (!(a->target > 0) || round == a->rounds || a->spp[round] != spp)
         return false;
-    /* All content, none with t below the target: the same number on both sides, but for rounding */
-    const double most = a->target * a->target * tile_rect_pixels(a->window) * (1 + 1e-9);
+    const double most = most_for(a, a->target * a->target);
     if (round < PILOT)
         return is_due_early(a, round, most);
     struct state now = {0};
     for (size_t i = 0; i < a->count; i++)
         judge(a, round, i, &now);
-    return now.error2 <= most && (!now.lit || now.effective >= ADAPTIVE_LEAST_NEFF);
+    return now.error2 <= most && (!now.lit || now.effective >= ADAPTIVE_LEAST_NEFF) &&
+           is_due_for_larger(a, round, now.error2);
 }
 
 /* Having [0, spp) already. */

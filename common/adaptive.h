@@ -12,24 +12,27 @@
  *   each of its up to eight neighbours is content or has `need` effective samples: what a
  *   neighbour has not seen yet may reach over here. (Waiting until neighbours are content keeps a
  *   ring going around all that is noisy: it cost a fifth of the work and found nothing.)
- * - The job is *due* in the first judged round, the pilot's or later, in which
+ * - The job is *due* in the first judged round in which the mean of g over pixels, of a block that
+ *   is content the g that made it so, is at most target^2, the image has 256 effective samples, and
+ *   the same is true of each larger target, with what would be content for that. Before the pilot
+ *   also each block must have evidence.
  *
- *       mean over pixels of (content ? t : max(g, t)) <= target^2
- *
- *   and the image has 256 effective samples. In a round before it, if the mean of g is at most
- *   target^2, and each block has evidence.
- *
- * g = max(e^2, high^2 / 1.1^2), of the block; e^2 is the mean over its pixels and channels of s^2 /
+ * g = max(e^2, high^2 / 1.1), of the block; e^2 is the mean over its pixels and channels of s^2 /
  * (y^2 + least^2), as in estimate.h, so that the mean of all blocks is the square of the job's
- * error, and high the upper end of its 95 % interval. `least` is the pilot's film's.
+ * error, and high the upper end of its 95 % interval. `least` is the pilot's film's. Where a block
+ * has less than two effective samples a pixel, many of its pixels have seen nothing, and do not
+ * know it: there g is at least the variance of its samples, less that between its pixels, over n
+ * (y^2 + least^2), y the mean of all of them.
  *
- * t = target^2 min(1, d / mean of d), d the root of the mean of g over the block and its neighbours
- * in the pilot's round (64 pixels by themselves are too few to say it well). The least work
+ * t = target^2 min(2, max(.05, c d)), d the root of g in the pilot's round, in which t is at most
+ * target^2 (where a lamp's edge has not been seen yet, more could end with that). The least work
  * for a given sum of squared errors takes samples in proportion to d (J. Neyman, "On the Two
  * Different Aspects of the Representative Method", J. Royal Statistical Society 97(4), 1934), which
  * leaves squared errors in proportion to d: quiet blocks go on below the target, since they become
- * better at little cost, and so noisy ones need not reach it. Cut at the target, so that nothing
- * stops that has not met it; the noisy ones go on until all together have.
+ * better at little cost, and so noisy ones need not reach it. But nothing stops at more than twice
+ * what was asked for; c is as large as the mean of t allows, which is target^2, and at most 1.5 /
+ * mean of d. When all are content the job is due; mostly it is before, and those that have not
+ * stopped are the noisiest.
  *
  * Where the mean of d^2 is not 1.05 times the square of d's mean, that is, where the best
  * allocation would save less than a twentieth, the image is *even*, and nothing stops: rounds that
@@ -48,10 +51,9 @@
  * Same pixels (P1), and monotone in the target. With target' < target: t' <= t, so what is content
  * for target' is for target, and what stops for target' has stopped for target, so that in each
  * round the blocks sampled for target' include those for target, with the same samples, and the
- * same is written down. In the sum above each term grows with the target by no more than t does,
- * and their mean by no more than the right side: if target' is due, target is. Hence a job that
- * goes on from target to target' has nothing too many, and with what it lacks becomes the very job
- * that was asked for target' at once.
+ * same is written down. If target' is due, so is each that is larger, and target among them. Hence
+ * a job that goes on from target to target' has nothing too many, and with what it lacks becomes
+ * the very job that was asked for target' at once.
  *
  * Not for: what takes the samples. A struct adaptive is one thread's at a time; adaptive_look is
  * anyone's. SPDX-License-Identifier: MIT */
@@ -64,6 +66,7 @@
 enum {
     ADAPTIVE_FIRST_SPP = 8,  /* of the first judged round */
     ADAPTIVE_PILOT_SPP = 32, /* from which on blocks stop */
+    ADAPTIVE_PILOT_ROUND = 2,
     ADAPTIVE_LEAST_NEFF = 256,
     ADAPTIVE_DARK_SPP = 4096,
     ADAPTIVE_MAX_ROUNDS = 128,

@@ -12,7 +12,7 @@
 #include "common/buf.h"
 #include "server/disk.h"
 
-enum { VERSION_UNIFORM = 3, VERSION = 4, STEP = 1 << 20 };
+enum { VERSION_UNIFORM = 3, VERSION = 5, STEP = 1 << 20 };
 
 static const char magic[8] = {'S', 'M', 'L', 'T', 'F', 'I', 'L', 'M'};
 
@@ -165,7 +165,7 @@ static bool read_head(struct source *s, struct checkpoint *c, struct err *err)
     const struct tile_rect w = row->crop;
     bool ok = !memcmp(buf_read(&r, sizeof magic), magic, sizeof magic);
     s->version = buf_read_u32(&r);
-    ok &= s->version == VERSION || s->version == VERSION_UNIFORM;
+    ok &= s->version >= VERSION_UNIFORM && s->version <= VERSION;
     ok &= buf_read_u32(&r) == c->tile_count;
     ok &= buf_read_u64(&r) == row->id;
     c->generation = buf_read_u64(&r);
@@ -180,9 +180,9 @@ static bool read_head(struct source *s, struct checkpoint *c, struct err *err)
     row->elapsed_ms = (int64_t)buf_read_u64(&r);
     assert(!r.failed && r.at == r.end);
     ok &= c->film.key_count <= FILM_MAX_KEYS;
-    if (ok && s->version == VERSION_UNIFORM && row->target.error > 0)
-        return err_set(err, ERR_INPUT, "%s: a film of version %d has no records of rounds", s->path,
-                       VERSION_UNIFORM);
+    if (ok && s->version < VERSION && row->target.error > 0)
+        return err_set(err, ERR_INPUT, "%s: a film of version %u went by another rule", s->path,
+                       s->version);
     return ok || err_set(err, ERR_INPUT, "%s: not a film of this job", s->path);
 }
 

@@ -15,10 +15,11 @@
  *     u32 rounds_judged rounds | f64 least | u32 spp[rounds] | (f32 error2 neff)[rounds][blocks]
  *     64 hex digits of SHA-256
  *
- * That is version 4. Version 3 has u32 merged[tile_count] before sum, which follows from spp, and
- * nothing of rounds: it is read, but not for a job with an error target, which would lack what it
- * has decided by. Films of older versions have no blocks. What is refused begins anew. Any one
- * thread. Errors: ERR_NOT_FOUND; ERR_INPUT: not a whole film of this job; ERR_IO.
+ * That is version 5. Version 4 is the same, of films whose blocks stopped by another rule; version
+ * 3 has u32 merged[tile_count] before sum, which follows from spp, and nothing of rounds. Both are
+ * read, but not for a job with an error target, which would not be on the way of one that is asked
+ * for now. Films of older versions have no blocks. What is refused begins anew. Any one thread.
+ * Errors: ERR_NOT_FOUND; ERR_INPUT: not a whole film of this job; ERR_IO.
  * SPDX-License-Identifier: MIT */
 #ifndef SERVER_CHECKPOINT_H
 #define SERVER_CHECKPOINT_H

@@ -99,33 +99,46 @@ static void single_blocks(void)
     ok(stopped_at(tail, quiet, quiet, noisy) == 64, "that can be outgrown");
     ok(stopped_at(dark, dark, dark, noisy) == 32, "where nothing is nothing more is to be seen");
     ok(stopped_at(black, black, black, noisy) == 0, "black by chance is no evidence");
+    const struct adaptive_block above = {.015f, 1000}, more = {.025f, 1000};
+    ok(stopped_at(above, above, above, noisy) == 64, "above the target one stops, but not at once");
+    ok(stopped_at(more, more, more, noisy) == 0, "and not at more than twice its square");
     ok(stopped_at(quiet, quiet, quiet, rare) == 0,
        "a block waits for what its neighbour has not seen");
     ok(stopped_at(quiet, quiet, quiet, black) == 0, "which may be anything where that is black");
     ok(stopped_at(quiet, quiet, quiet, tail) == 32, "a neighbour's heavy tail is its own matter");
-    const struct adaptive_block nearly = {1.1f * .01f / 2, 1000}, good = {.005f, 1000};
-    ok(stopped_at((struct adaptive_block){2.1f * nearly.error2, 1000}, good, good, good) == 32 &&
-           stopped_at((struct adaptive_block){2.5f * .01f, 1000}, good, good, good) == 64,
+    const struct adaptive_block good = {.005f, 1000}; /* allowed are .01 */
+    ok(stopped_at((struct adaptive_block){.024f, 1000}, good, good, good) == 32 &&
+           stopped_at((struct adaptive_block){.025f, 1000}, good, good, good) == 64,
        "a tenth more is foretold enough");
 }
 
-/* Three quiet blocks, five noisy ones in a row: d = .001 of the first two, 1 of the last four. */
+/* Rounds of eight blocks: two quiet ones, four or five of that error, others noisy. */
+static void start_row(struct adaptive *a, int some, float error2)
+{
+    struct adaptive_block b[8] = {quiet, quiet};
+    for (int i = 2; i < 8; i++)
+        b[i] = i < 2 + some ? (struct adaptive_block){error2, 1000} : noisy;
+    start(a, 8, 1, .1);
+    write_down(a, b);
+    write_down(a, b);
+}
+
 static void allocation(void)
 {
     struct adaptive a;
-    struct adaptive_block b[8] = {quiet, quiet, quiet, noisy, noisy, noisy, noisy, noisy};
-    const double mean = (2e-3 + sqrt((1 + 2e-6) / 3) + sqrt((2 + 1e-6) / 3) + 4) / 8;
-    start(&a, 8, 1, .1);
-    write_down(&a, b);
-    write_down(&a, b);
-    near((double)a.share[0], 1e-3 / mean, 1e-6,
-         "a quiet block's share goes as the root of its noise");
-    near((double)a.share[2], sqrt((1 + 2e-6) / 3) / mean, 1e-6, "with its neighbours'");
-    ok(a.share[4] == 1, "and a noisy one's is no more than the target");
-    adaptive_aim(&a, 1.001 * sqrt(1e-6 * mean / 1e-3));
+    start_row(&a, 4, .01f);
+    const double mean = (2 * 1e-3 + 4 * .1 + 2) / 8;
+    near((double)a.share[2], 1.5 * .1 / mean, 1e-6,
+         "a block's share goes as the root of its noise");
+    near((double)a.share[0], .05, 1e-6, "is never nothing");
+    ok(a.share[7] == 2, "and no more than twice the target's square");
+    adaptive_aim(&a, 1.001 * sqrt(1e-6 / .05));
     ok(a.content[0] == 2, "within its share it is content");
-    adaptive_aim(&a, .999 * sqrt(1e-6 * mean / 1e-3));
+    adaptive_aim(&a, .999 * sqrt(1e-6 / .05));
     ok(a.content[0] == ADAPTIVE_NEVER, "and beyond it is not");
+    adaptive_release(&a);
+    start_row(&a, 5, .25f);
+    near((double)a.share[2], (8 - 2 - .1) / 5, 1e-6, "all shares together are one for each block");
     adaptive_aim(&a, 0);
     ok(a.content[0] == ADAPTIVE_NEVER, "without a target nothing is");
     adaptive_release(&a);
@@ -170,27 +183,36 @@ static void latches(void)
     adaptive_release(&a);
 }
 
-/* Half of the blocks so noisy that the whole is `of` its target's square; the others are content.
- */
+/* Half of the blocks so noisy that the whole is `of` its target's square. */
 static bool is_due(double of, float neff)
 {
-    const double target = .1;
-    double error2 = 1, left = 16;
     struct adaptive a;
-    for (int again = 0; again < 2; again++) {
-        start(&a, 4, 4, target);
-        struct adaptive_block b[16];
-        for (int i = 0; i < 16; i++)
-            b[i] = (struct adaptive_block){i < 8 ? (float)error2 : 0, neff};
-        write_down(&a, b);
-        write_down(&a, b);
-        for (int i = 8; !again && i < 16; i++)
-            left -= (double)a.share[i];
-        error2 = left / 8 * target * target * of;
-        if (!again)
-            adaptive_release(&a);
-    }
+    struct adaptive_block b[16];
+    start(&a, 4, 4, .1);
+    for (int i = 0; i < 16; i++)
+        b[i] = (struct adaptive_block){i < 8 ? (float)(2 * .01 * of) : 0, neff};
+    write_down(&a, b);
+    write_down(&a, b);
     const bool due = adaptive_is_due(&a, 32);
+    adaptive_release(&a);
+    return due;
+}
+
+/* A quarter of the blocks are content now, with little error, and would have been before, with so
+ * much, for any target from the root of that on; the others never are. */
+static bool is_due_after(float before)
+{
+    struct adaptive a;
+    struct adaptive_block b[3][16];
+    start(&a, 4, 4, sqrt(.009));
+    for (int i = 0; i < 16; i++) {
+        b[0][i] = (struct adaptive_block){i < 4 ? 2 * before : 1e-4f, i < 4 ? 1000 : 20};
+        b[1][i] = (struct adaptive_block){i < 4 ? before : 1e-4f, b[0][i].neff};
+        b[2][i] = (struct adaptive_block){i < 4 ? .005f : .0103f, b[0][i].neff};
+    }
+    for (int round = 0; round < 3; round++)
+        write_down(&a, b[round]);
+    const bool due = adaptive_is_due(&a, 64);
     adaptive_release(&a);
     return due;
 }
@@ -200,6 +222,8 @@ static void ends(void)
     ok(is_due(.999, 1000) && !is_due(1.001, 1000),
        "a job is due when the mean of the squared errors is the target's square");
     ok(is_due(.999, 17) && !is_due(.999, 15), "and 256 samples have told");
+    ok(is_due_after(.2f) && !is_due_after(.0098f),
+       "but not while one with a larger target would go on");
     struct adaptive a;
     start(&a, 1, 1, 1);
     write_all(&a, (struct adaptive_block){0, 255}, noisy);

@@ -202,6 +202,32 @@ static void rare_light(struct tile_rect window, double target, uint32_t jobs)
         near(mean.mean, 1, .01, "F-35: within 1 %%");
 }
 
+/* Half of the image is lit by one sample in 200: most pixels have seen none of it for long, and
+ * those that have do not know how seldom it was. */
+static void thin_evidence(double target)
+{
+    enum { JOBS = 8 };
+    const struct tile_rect window = {0, 0, 64, 32};
+    struct stat_mean error2 = {0}, spp = {0};
+    for (uint64_t seed = 1; seed <= JOBS; seed++) {
+        const struct field field = {seed, KIND_LAMP};
+        struct adapt a;
+        double sum = 0;
+        adapt_init(&a, window, 64);
+        adapt_run(&a, target, 1 << 20, fill, &field);
+        for (size_t i = 0; i < tile_rect_pixels(window); i++) {
+            const double off = a.film.sum[3 * i] / a.film.spp[i] - 1;
+            sum += off * off;
+        }
+        stat_add(&error2, sum / tile_rect_pixels(window));
+        stat_add(&spp, adapt_mean_spp(&a));
+        adapt_release(&a);
+    }
+    ok(sqrt(error2.mean) <= 1.2 * target,
+       "half lit by one sample in 200, to %g: %.2f true after %.0f spp", target, sqrt(error2.mean),
+       spp.mean);
+}
+
 /* ---- when a job ends ---- */
 
 static uint32_t spp_to(double target, uint32_t side_px, uint32_t most, struct field field,
@@ -245,5 +271,7 @@ int main(void)
     rare_light((struct tile_rect){0, 0, 8, 8}, 1, 1024);
     rare_light((struct tile_rect){0, 0, 1, 1}, 1, 1024);
     rare_light((struct tile_rect){0, 1, 64, 33}, .5, max_u32(stat_tries(16, 1024), 16));
+    thin_evidence(.5);
+    thin_evidence(.25);
     return tap_done();
 }

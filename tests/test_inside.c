@@ -70,6 +70,26 @@ static void grazing_furnace(void)
     ok(most < 1.001, "F-29: nor is light made inside at cosines from .02 to .1 (%.4f)", most);
 }
 
+/* Along the surface there is no cosine to divide by. */
+static void seen_from_the_side(void)
+{
+    static const float cosines[] = {0, 1e-40f, -1e-40f, 1e-20f, -1e-20f, 1e-7f, -1e-7f, .5f, -.5f};
+    struct dice dice = dice_make(23);
+    int bad = 0;
+    for (int i = 0; i < 200; i++) {
+        const struct material m = white(&dice, (struct made){i & 1, i & 2});
+        for (size_t k = 0; k < countof(cosines) * countof(cosines); k++) {
+            const float z = cosines[k % countof(cosines)], t = cosines[k / countof(cosines)];
+            const vec3 wo = vec3_unit(vec3_make(.6f, .8f, z)), wi = vec3_unit(vec3_make(-1, 0, t));
+            const rgb f = bsdf_eval(&m, wo, wi);
+            const float pdf_w = bsdf_pdf_w(&m, wo, wi);
+            bad += !(rgb_max(f) >= 0 && rgb_max(f) < (float)INFINITY);
+            bad += !(pdf_w >= 0 && pdf_w < (float)INFINITY);
+        }
+    }
+    ok(bad == 0, "F-20: seen or lit along the surface: %d values that are no number", bad);
+}
+
 /* --- the laws --- */
 
 static struct material layered(float roughness, float ior, float coat_roughness, float sheen)
@@ -196,6 +216,7 @@ int main(void)
     furnace((struct made){true, true}, "clear glass, paint and metal under white layers");
     furnace((struct made){false, true}, "frosted glass, paint and metal under white layers");
     grazing_furnace();
+    seen_from_the_side();
     laws();
     table_is_made();
     table_is_the_quadrature(.1, 1, .001);

@@ -170,7 +170,7 @@ static void picks_follow(void)
     struct scenes s;
     struct dice dice = dice_make(11);
     const struct stage *stage = make_mixed(&s, 1);
-    const uint32_t lights = stage->far_begin, n = stat_tries(100000, 1000000);
+    const uint32_t lights = stage->far_begin, n = max_u32(stat_tries(100000, 1000000), 50000);
     double *due = arena_new(&s.arena, double, lights), worst = 1, off = 0, mass = 0;
     uint32_t *seen = arena_new(&s.arena, uint32_t, lights), bad_rest = 0;
     enum { POINTS = 6 };

@@ -246,7 +246,7 @@ static void seconds(void)
 static void seconds_and_error(void)
 {
     struct job *j =
-        fake_job_open(32, 16, (struct scene_target){.spp = 4096, .error = .0005, .seconds = 10});
+        fake_job_open(32, 16, (struct scene_target){.spp = 4096, .error = .00075, .seconds = 10});
     struct sched s = with(j);
     struct sched_pick p;
     struct arena arena = {0};

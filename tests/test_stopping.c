@@ -50,7 +50,7 @@ static bool endings_equal(const struct ending *a, const struct ending *b)
 /* Blocks stop, in the coordinator's memory and in what it has written; the target may be moved. */
 static void whatever_happens(void)
 {
-    static const char at_once[] = "{\"error\": 0.0012}";
+    static const char at_once[] = "{\"error\": 0.00203}";
     char id[17], target[64];
     int status;
     pretend_submit(&d, id, SIDE, at_once);
@@ -76,7 +76,7 @@ static void whatever_happens(void)
     snprintf(target, sizeof target, "/v1/jobs/%s", id);
     json_decref(pretend_ask(&d, &status, "PATCH", target, "{\"target\": {\"error\": 0.005}}"));
     same &= status == 200 && pretend_work_until(&d, id, "done");
-    json_decref(pretend_ask(&d, &status, "PATCH", target, "{\"target\": {\"error\": 0.0012}}"));
+    json_decref(pretend_ask(&d, &status, "PATCH", target, "{\"target\": {\"error\": 0.00203}}"));
     pretend_work(&d, 9);
     clock_sleep_ms(100);
     daemon_kill(&d);
@@ -140,7 +140,7 @@ static void too_large(const char *tile, const char *want)
     daemon_stop(&d);
     if (!start(tile))
         return;
-    pretend_submit(&d, id, SIDE, "{\"error\": 0.0012}");
+    pretend_submit(&d, id, SIDE, "{\"error\": 0.00203}");
     json_t *kept = json_array();
     int at = -1;
     for (int round = 0; at < 0 && round < 12; round++) {

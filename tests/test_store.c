@@ -354,6 +354,13 @@ static void former_film(void)
     back.row.target.error = .1;
     ok(!checkpoint_read(&back, path_of("film"), &err) && err.code == ERR_INPUT,
        "but not for a job with an error target: %s", err.text);
+    new.data[8] = 4; /* the same, but that blocks have stopped by another rule */
+    hash_hex(new.data, new.size - 64, hex);
+    memcpy(new.data + new.size - 64, hex, 64);
+    put(path_of("film"), &new, new.size);
+    ok(still_read(&c.row, path_of("film")), "a film of version 4 is read");
+    c.row.target.error = .1;
+    ok(!still_read(&c.row, path_of("film")), "but not for a job with an error target");
     buf_release(&new);
     buf_release(&old);
     checkpoint_release(&c);

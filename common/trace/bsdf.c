@@ -81,7 +81,7 @@ rgb bsdf_eval(const struct material *m, vec3 wo, vec3 wi)
         return bsdf_glass_eval(m, wo, wi);
     if (m->kind == MATERIAL_LEAF)
         return bsdf_leaf_eval(m, wo, wi);
-    if (is_clear(m))
+    if (is_clear(m) && wo[2] * wi[2] != 0)
         return bsdf_principled_eval(m, wo, wi);
     if (!(wo[2] * wi[2] > 0))
         return black;
@@ -127,7 +127,7 @@ float bsdf_pdf_w(const struct material *m, vec3 wo, vec3 wi)
         return bsdf_glass_pdf_w(m, wo, wi);
     if (m->kind == MATERIAL_LEAF)
         return bsdf_leaf_pdf_w(m, wo, wi);
-    if (is_clear(m))
+    if (is_clear(m) && wo[2] * wi[2] != 0)
         return bsdf_principled_pdf_w(m, wo, wi);
     if (!(wo[2] * wi[2] > 0))
         return 0;
