@@ -13,8 +13,7 @@
 /* emitter: STAGE_NONE, or a primitive's. */
 static inline bool glow_is(const struct stage *s, uint32_t emitter)
 {
-    return emitter != STAGE_NONE &&
-           ((const struct emitter *)stage_at(s, s->emitters))[emitter].texture != STAGE_NONE;
+    return emitter != STAGE_NONE && stage_emitter_at(s, emitter)->texture != STAGE_NONE;
 }
 
 /* The radiance of an emitter with a texture, at a point. */

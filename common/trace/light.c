@@ -11,11 +11,6 @@
 #include "common/trace/light_tree.h"
 #include "common/trace/warp.h"
 
-static const struct emitter *emitter_at(const struct stage *s, uint32_t emitter)
-{
-    return (const struct emitter *)stage_at(s, s->emitters) + emitter;
-}
-
 /* --- which one --- */
 
 /* What the cumulative table says and not emitter.pick: a table of floats rounds, and the weights
@@ -72,7 +67,7 @@ static double tree_share(const struct stage *s)
  * lights of a mesh they are in nobody's cache. */
 static void fetch_place(const struct stage *s, uint32_t emitter)
 {
-    const struct emitter *e = emitter_at(s, emitter);
+    const struct emitter *e = stage_emitter_at(s, emitter);
     if (e->kind != EMITTER_PRIM || e->place.kind != STAGE_TRIANGLE)
         return;
     fetch_lines((const struct stage_block *)stage_at(s, s->blocks) + e->place.index / STAGE_LANES,
@@ -127,7 +122,7 @@ struct near {
 static struct near near_make(const struct stage *s, const struct surface *from, uint32_t emitter,
                              float probability)
 {
-    const int32_t partner = emitter_at(s, emitter)->partner;
+    const int32_t partner = stage_emitter_at(s, emitter)->partner;
     struct near n = {.begin = partner < 0 ? emitter - 1 : emitter, .probability = probability};
     if (partner) {
         const float other = place_probability(s, from, emitter + (uint32_t)partner);
@@ -135,11 +130,12 @@ static struct near near_make(const struct stage *s, const struct surface *from, 
         n.probability += other;
     }
     vec3 corners[4];
-    struct stage_triangle t = stage_triangle_at(s, emitter_at(s, n.begin)->place.index, STAGE_NONE);
+    struct stage_triangle t =
+        stage_triangle_at(s, stage_emitter_at(s, n.begin)->place.index, STAGE_NONE);
     for (int i = 0; i < 3; i++)
         corners[i] = vec3_load(t.v[i]);
     if (partner)
-        t = stage_triangle_at(s, emitter_at(s, n.begin + 1)->place.index, STAGE_NONE);
+        t = stage_triangle_at(s, stage_emitter_at(s, n.begin + 1)->place.index, STAGE_NONE);
     corners[3] = vec3_load(t.v[2]);
     n.solid = light_solid_make(corners, partner ? 4 : 3, from->p);
     return n;
@@ -262,13 +258,13 @@ static rgb radiance_on(const struct stage *s, const struct emitter *e, const str
 static bool sample_near(const struct stage *s, const struct surface *from, const struct emitter *e,
                         float pick, struct square q, struct light_sample *out)
 {
-    const struct near n = near_make(s, from, (uint32_t)(e - emitter_at(s, 0)), pick);
+    const struct near n = near_make(s, from, (uint32_t)(e - stage_emitter_at(s, 0)), pick);
     const float pdf_w = near_pdf_w(&n);
     if (!(pdf_w > 0))
         return false;
     const double u = (n.before + (double)q.u * (double)pick) / (double)n.probability;
     const struct light_solid_place place = light_solid_sample(&n.solid, u, (double)q.v);
-    const struct emitter *of = emitter_at(s, n.begin + place.triangle);
+    const struct emitter *of = stage_emitter_at(s, n.begin + place.triangle);
     const struct stage_id id = {of->prim, of->place, STAGE_NONE};
     const struct surface on = surface_on_triangle(s, id, place.b.u, place.b.v);
     return look_at(from, &on, pdf_w, radiance_on(s, of, &on, place.b), out);
@@ -371,7 +367,7 @@ bool light_sample_picked(const struct stage *s, const struct surface *from, stru
 {
     if (pick.emitter == STAGE_NONE)
         return false;
-    const struct emitter *e = emitter_at(s, pick.emitter);
+    const struct emitter *e = stage_emitter_at(s, pick.emitter);
     const struct square place = {sobol_float(pick.rest), sobol_float(v)};
     const float probability = pick.probability;
     switch (e->kind) {
@@ -409,7 +405,7 @@ bool light_sample(const struct stage *s, const struct surface *from, struct sobo
 
 rgb light_beyond(const struct stage *s, uint32_t emitter, vec3 dir, float *pdf_w)
 {
-    const struct emitter *e = emitter_at(s, emitter);
+    const struct emitter *e = stage_emitter_at(s, emitter);
     rgb radiance = vec3_load(e->radiance);
     if (e->kind == EMITTER_MAP)
         radiance *= light_map_pixel(s, map_of(s, e), dir, pdf_w);
@@ -423,7 +419,7 @@ rgb light_beyond(const struct stage *s, uint32_t emitter, vec3 dir, float *pdf_w
 
 float light_pdf_w(const struct stage *s, const struct surface *from, const struct surface *at)
 {
-    const struct emitter *e = emitter_at(s, at->emitter);
+    const struct emitter *e = stage_emitter_at(s, at->emitter);
     const float pick = place_probability(s, from, at->emitter);
     const vec3 p = from->p;
     switch ((enum stage_kind)e->place.kind) {

@@ -152,11 +152,6 @@ static inline void fetch_node(const struct stage_light_node *n, bool round)
         fetch_lines(n, sizeof *n);
 }
 
-static const struct emitter *emitter_at(const struct stage *s, uint32_t emitter)
-{
-    return (const struct emitter *)stage_at(s, s->emitters) + emitter;
-}
-
 struct walk {
     const struct stage_light_node *node;
     double u;
@@ -180,7 +175,7 @@ static bool step(const struct stage *s, struct walk *walk, const struct surface 
     if (child >= STAGE_LIGHT_LEAF) {
         pick->emitter = child - STAGE_LIGHT_LEAF;
         pick->rest = x;
-        fetch_lines(emitter_at(s, pick->emitter), sizeof(struct emitter));
+        fetch_lines(stage_emitter_at(s, pick->emitter), sizeof(struct emitter));
         return false;
     }
     const bool round = walk->node->child[0] & STAGE_LIGHT_ROUND; /* then the child's are, too */
@@ -216,7 +211,7 @@ double light_tree_probability(const struct stage *s, const struct surface *from,
     double probability = 1;
     struct weights w;
     /* All of the way first, so that its nodes come from memory side by side */
-    for (uint32_t slot = emitter_at(s, emitter)->slot; slot != STAGE_NONE;
+    for (uint32_t slot = stage_emitter_at(s, emitter)->slot; slot != STAGE_NONE;
          slot = parents[slot / STAGE_LANES]) {
         fetch_lines(node_at(s, slot / STAGE_LANES), sizeof(struct stage_light_node));
         slots[depth++] = slot;

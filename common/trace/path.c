@@ -83,7 +83,7 @@ rgb path_emission(const struct stage *s, const struct path_vertex *v)
 {
     if (v->at.emitter == STAGE_NONE || !(v->wo[2] > 0))
         return (rgb){0, 0, 0, 0};
-    const struct emitter *e = (const struct emitter *)stage_at(s, s->emitters) + v->at.emitter;
+    const struct emitter *e = stage_emitter_at(s, v->at.emitter);
     return e->texture == STAGE_NONE ? vec3_load(e->radiance) : glow_at(s, e, &v->point);
 }
 

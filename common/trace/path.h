@@ -71,7 +71,7 @@ rgb path_beyond(const struct stage *, vec3 dir, float pdf_w);
 /* What an emitter that is a primitive without a texture emits from its front. */
 static inline rgb path_radiance(const struct stage *s, uint32_t emitter)
 {
-    return vec3_load(((const struct emitter *)stage_at(s, s->emitters))[emitter].radiance);
+    return vec3_load(stage_emitter_at(s, emitter)->radiance);
 }
 
 /* What the vertex emits to where the ray came from. */

@@ -374,6 +374,11 @@ static inline const struct stage_instance *stage_instance_at(const struct stage 
     return (const struct stage_instance *)stage_at(s, s->instances) + i;
 }
 
+static inline const struct emitter *stage_emitter_at(const struct stage *s, uint32_t i)
+{
+    return (const struct emitter *)stage_at(s, s->emitters) + i;
+}
+
 static inline struct stage_triangle stage_block_lane(const struct stage_block *b, uint32_t lane)
 {
     return (struct stage_triangle){{
