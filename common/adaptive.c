@@ -100,11 +100,6 @@ static const struct adaptive_block *round_of(const struct adaptive *a, uint32_t 
     return a->blocks + round * a->count;
 }
 
-static double larger(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 static double pixels_of(const struct adaptive *a, size_t i)
 {
     return tile_rect_pixels(block_rect_of(a->window, i));
@@ -171,7 +166,7 @@ static double asks(const struct adaptive *a, uint32_t round, size_t i)
     const double is = (double)round_of(a, round)[i].error2;
     const double was = (double)round_of(a, round - 1)[i].error2 * fewer / foretold;
     const double share = (double)a->share[i];
-    return larger(is, was) / (round == PILOT && share > 1 ? 1 : share);
+    return max_f64(is, was) / (round == PILOT && share > 1 ? 1 : share);
 }
 
 /* A heavy tail is its own block's matter; too few samples that show anything are not. */

@@ -22,11 +22,6 @@ static float sane(double x)
     return x <= (double)FLT_MAX ? (float)x : FLT_MAX;
 }
 
-static double larger(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 static float effective(const struct film *f, size_t i, struct evidence_block e, uint32_t spp)
 {
     if (f->blocks[i].sum > 0)
@@ -44,7 +39,7 @@ static double mean_square(const struct film *f, struct tile_rect part)
         for (uint32_t x = part.x_begin; x < part.x_end; x++) {
             double mean[3];
             film_mean(f, (size_t)(y - w.y_begin) * (w.x_end - w.x_begin) + (x - w.x_begin), mean);
-            const double l = 0.2126 * mean[0] + 0.7152 * mean[1] + 0.0722 * mean[2];
+            const double l = film_luminance(mean);
             sum += l * l;
         }
     return sum / tile_rect_pixels(part);
@@ -67,7 +62,7 @@ static struct adaptive_block look_at(const struct film *f, size_t i, struct evid
                                      const struct adaptive_look *l)
 {
     const struct estimate_part part = estimate_part(f, block_rect_of(f->window, i), l->least);
-    const double g = larger(larger(part.error2, part.high / slack), together(f, i, e, l->least));
+    const double g = max_f64(max_f64(part.error2, part.high / slack), together(f, i, e, l->least));
     return (struct adaptive_block){sane(g), effective(f, i, e, l->spp)};
 }
 

@@ -22,6 +22,11 @@ static inline uint32_t max_u32(uint32_t a, uint32_t b)
     return a > b ? a : b;
 }
 
+static inline double max_f64(double a, double b)
+{
+    return a > b ? a : b;
+}
+
 static inline size_t min_size(size_t a, size_t b)
 {
     return a < b ? a : b;

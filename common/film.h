@@ -132,6 +132,12 @@ static inline uint32_t film_block_spp(const struct film *f, size_t i)
     return f->spp[(r.y_begin - w.y_begin) * width + (r.x_begin - w.x_begin)];
 }
 
+/* rgb_luminance of what is summed in double. */
+static inline double film_luminance(const double c[3])
+{
+    return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+}
+
 /* Mean radiance of a pixel given by its index in the window; black before the first sample. */
 static inline void film_mean(const struct film *f, size_t pixel, double mean[3])
 {

@@ -249,19 +249,14 @@ double plan_price(const struct plan_pilot *pilot)
     return pilot->variance * pilot->work;
 }
 
-static double larger(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 /* What the usual method's pilot shows as well is the scene's, which the others are no safer from.
  */
 static bool is_tailed(const struct plan *p, int k)
 {
     const struct plan_pilot *c = &p->candidates[k].pilot;
     const struct plan_pilot *usual = &p->candidates[PLAN_PATH_MIS].pilot;
-    return c->tail > larger(MOST_TAIL, 1.2 * usual->tail) ||
-           c->thin > larger(MOST_THIN, 2 * usual->thin);
+    return c->tail > max_f64(MOST_TAIL, 1.2 * usual->tail) ||
+           c->thin > max_f64(MOST_THIN, 2 * usual->thin);
 }
 
 static bool is_rival(const struct plan *p, int k)

@@ -18,7 +18,7 @@ static double mean_luminance(const struct film *f)
     for (size_t i = 0; i < pixels; i++) {
         double c[3];
         film_mean(f, i, c);
-        sum += 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+        sum += film_luminance(c);
     }
     return sum / (double)pixels;
 }

@@ -11,7 +11,6 @@ enum {
 };
 
 #define FLOOR       0.01 /* of the mean: relative to less than that no error counts (estimate.h) */
-#define FIRST_ERROR 0.13 /* of PLAN_SLOPE */
 #define FAR_ERROR   0.12 /* of PLAN_FAR_SLOPE */
 #define LEAST_ERROR 0.03 /* of a slope that was measured */
 #define LASTS       0.4  /* of what a slope differs in from others at first */
@@ -189,7 +188,7 @@ static void judge_noise(const struct study_shot *shot, const struct study_shot *
 {
     const struct sums sum = add_up(shot, usual);
     const struct slope slope =
-        slope_of(&sum, STUDY_FIRST, shot->depth, (struct slope){PLAN_SLOPE, FIRST_ERROR});
+        slope_of(&sum, STUDY_FIRST, shot->depth, (struct slope){PLAN_SLOPE, PLAN_SLOPE_ERROR});
     const double values = 3.0 * p->pixels, length = doublings(STUDY_FIRST, shot->depth);
     const double blocks = spread_by_blocks(shot, &sum);
     p->slope = slope_from(&sum, shot->depth, slope);
