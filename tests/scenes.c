@@ -175,7 +175,6 @@ struct shape *scenes_box(struct scenes *s, uint32_t material, vec3 lo, vec3 hi, 
 void scenes_cube(struct scenes *s, uint32_t width_px, uint32_t height_px, int light)
 {
     scenes_init(s, width_px, height_px);
-    scenes_look(s, vec3_make(0, 0, 0), vec3_make(0, 0, -1), pi / 2);
     s->scene.settings.max_bounces = 1;
     scenes_box(s, scenes_diffuse(s, rgb_gray(1)), vec3_make(-.5f, -.5f, -.5f),
                vec3_make(.5f, .5f, .5f), true);

@@ -178,15 +178,22 @@ static void liars(void)
 
 /* ---- what decisions do to the image ---- */
 
+/* A job whose light comes with one sample in 200. */
+static struct adapt lamp_job(struct tile_rect window, double target, uint64_t seed)
+{
+    const struct field field = {seed, KIND_LAMP};
+    struct adapt a;
+    adapt_init(&a, window, 64);
+    adapt_run(&a, target, 1 << 20, fill, &field);
+    return a;
+}
+
 static void rare_light(struct tile_rect window, double target, uint32_t jobs)
 {
     struct stat_mean mean = {0}, spp = {0}, stopped = {0};
     for (uint64_t seed = 1; seed <= jobs; seed++) {
-        const struct field field = {seed, KIND_LAMP};
-        struct adapt a;
+        struct adapt a = lamp_job(window, target, seed);
         double sum = 0;
-        adapt_init(&a, window, 64);
-        adapt_run(&a, target, 1 << 20, fill, &field);
         for (size_t i = 0; i < tile_rect_pixels(window); i++)
             sum += a.film.sum[3 * i] / a.film.spp[i];
         stat_add(&mean, sum / tile_rect_pixels(window));
@@ -210,11 +217,8 @@ static void thin_evidence(double target)
     const struct tile_rect window = {0, 0, 64, 32};
     struct stat_mean error2 = {0}, spp = {0};
     for (uint64_t seed = 1; seed <= JOBS; seed++) {
-        const struct field field = {seed, KIND_LAMP};
-        struct adapt a;
+        struct adapt a = lamp_job(window, target, seed);
         double sum = 0;
-        adapt_init(&a, window, 64);
-        adapt_run(&a, target, 1 << 20, fill, &field);
         for (size_t i = 0; i < tile_rect_pixels(window); i++) {
             const double off = a.film.sum[3 * i] / a.film.spp[i] - 1;
             sum += off * off;

@@ -346,7 +346,7 @@ static void controls(void)
 /* The truth of a film of independent samples: its error is that of the law, pixel by pixel. */
 static void interval(enum law law, double relative_variance, uint32_t spp)
 {
-    const uint32_t tries = stat_tries(200, 1000);
+    const uint32_t tries = max_u32(stat_tries(200, 1000), 200);
     uint32_t covered = 0;
     const double truth = sqrt(relative_variance / spp);
     double wide = 0;
@@ -362,7 +362,7 @@ static void interval(enum law law, double relative_variance, uint32_t spp)
             ok(false, "the interval is around the estimate");
         film_release(&f);
     }
-    near((double)covered / tries, .95, STAT_SLOW == 1 ? .04 : .3, /* of 6 */
+    near((double)covered / tries, .95, .04,
          "the interval of the error of %s samples, +- %.1f %%, holds", law_names[law], 100 * wide);
 }
 
