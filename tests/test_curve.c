@@ -97,7 +97,7 @@ static const struct estimator base = {"base", 1, 0, 1, 1};
 
 static void lines_are_true(const struct estimator *e)
 {
-    const int trials = (int)stat_tries(1000, 4000);
+    const int trials = (int)max_u32(stat_tries(1000, 4000), 1000);
     struct count at[POINTS] = {{0, 0, 0}}, slope = {0, 0, 0}, work = slope, gain = slope;
     struct dice d = dice_make((uint32_t)(1000 * e->spread + e->cost));
     const double target = truth_of(e, 2) * 1.3;
@@ -127,7 +127,7 @@ static void lines_are_true(const struct estimator *e)
 static void bias_is_told(double bias)
 {
     const struct estimator e = {"biased", 1, bias, 1, 1};
-    const int trials = (int)stat_tries(1000, 4000);
+    const int trials = (int)max_u32(stat_tries(1000, 4000), 1000);
     struct dice d = dice_make(7);
     static double image[RUNS][3 * PIXELS];
     double y[3 * PIXELS], *images[RUNS];

@@ -120,7 +120,7 @@ static struct spread spread_of(double sum, double squares, double n)
     return (struct spread){sum / n, squares * n / (sum * sum) - 1};
 }
 
-enum { SIDE = STAT_SLOW == 1 ? 512 : 128 };
+enum { SIDE = 512 };
 
 static struct spread ours(const struct wall *w)
 {

@@ -251,7 +251,7 @@ static void direct_is_cut(void)
 
 static void all_agree(void)
 {
-    const uint32_t spp = stat_tries(128, 8192);
+    const uint32_t spp = max_u32(stat_tries(128, 8192), 2 * FILM_REPLICATES);
     const double margin = STAT_SLOW > 1 ? .2 : stat_is_long() ? .004 : .05;
     struct scenes_mean usual[3], got[3];
     for (int i = 0; i < 9; i++) {

@@ -348,7 +348,7 @@ static double light_in_room(enum surface_kind kind, bool mapped, int i, uint32_t
 static void test_dark_room(enum surface_kind kind, bool mapped)
 {
     const int all = mapped ? 16 : 30, rooms = stat_is_long() ? all : all / 3;
-    const uint32_t spp = stat_tries(6, 256);
+    const uint32_t spp = max_u32(stat_tries(6, 256), 1);
     double light = 0;
     for (int i = 0; i < rooms; i++) /* 7 has no divisor in common with 16 and 30 */
         light += light_in_room(kind, mapped, 7 * i % all, spp);
@@ -371,7 +371,7 @@ static struct scenes_mean render_ball(enum surface_kind kind, double turn_rad, b
     else
         scenes_sky(&s, rgb_gray(1));
     struct film film;
-    scenes_render(scenes_stage(&s), stat_tries(16, 2048), &film);
+    scenes_render(scenes_stage(&s), max_u32(stat_tries(16, 2048), 16), &film);
     const struct scenes_mean mean = scenes_mean(&film, 0);
     film_release(&film);
     scenes_release(&s);

@@ -95,7 +95,7 @@ static struct curve_value slope_of(enum integrand f, enum sampler_kind sampler, 
 
 static void of_points(void)
 {
-    const uint32_t repeats = stat_tries(1024, 8192);
+    const uint32_t repeats = max_u32(stat_tries(1024, 8192), 1024);
     const struct curve_value alone = slope_of(EDGE, SAMPLER_INDEPENDENT, repeats),
                              smooth = slope_of(SMOOTH, SAMPLER_SOBOL, repeats),
                              edge = slope_of(EDGE, SAMPLER_SOBOL, repeats),
