@@ -71,8 +71,10 @@ static enum plan_candidate_kind method_of(struct scenes *s)
     return plan_of(s, (struct scene_target){.spp = 1}).chosen;
 }
 
-static const char *const part_names[] = {
-    [CORPUS_TUNED] = "tuned on", [CORPUS_HELD_OUT] = "held out", [CORPUS_FRESH] = "fresh"};
+static const char *const part_names[] = {[CORPUS_TUNED] = "tuned on",
+                                         [CORPUS_HELD_OUT] = "held out",
+                                         [CORPUS_FRESH] = "fresh",
+                                         [CORPUS_LAST] = "last"};
 
 static double least_of(const struct oracle *o, double error, enum plan_candidate_kind *which)
 {

@@ -280,43 +280,40 @@ static const char *const files[] = {"cornell-box", "glass-and-metal", "many-ligh
 
 enum { OLD = countof(own) + countof(files) };
 
-uint32_t corpus_count(void)
+static uint32_t fresh_end(void)
 {
     return OLD + corpus_fresh_count();
 }
 
+uint32_t corpus_count(void)
+{
+    return fresh_end() + corpus_last_count();
+}
+
 const char *corpus_name(uint32_t i)
 {
-    return i < countof(own) ? own[i].name
-           : i < OLD        ? files[i - countof(own)]
-                            : corpus_fresh_name(i - OLD);
+    return i < countof(own)  ? own[i].name
+           : i < OLD         ? files[i - countof(own)]
+           : i < fresh_end() ? corpus_fresh_name(i - OLD)
+                             : corpus_last_name(i - fresh_end());
 }
 
 enum corpus_part corpus_part(uint32_t i)
 {
+    if (i >= fresh_end())
+        return CORPUS_LAST;
     return i >= OLD ? CORPUS_FRESH : i % 3 == 2 ? CORPUS_HELD_OUT : CORPUS_TUNED;
-}
-
-bool corpus_open(const char *name, struct scenes *s)
-{
-    if (!scenes_open(s, name))
-        return false;
-    struct scene_film *f = &s->scene.film;
-    *f = (struct scene_film){.width_px = CORPUS_WIDTH_PX,
-                             .height_px = CORPUS_HEIGHT_PX,
-                             .crop_x_end = CORPUS_WIDTH_PX,
-                             .crop_y_end = CORPUS_HEIGHT_PX,
-                             .filter = FILTER_BOX,
-                             .filter_radius_px = .5f};
-    return true;
 }
 
 bool corpus_make(uint32_t i, struct scenes *s)
 {
-    if (i >= OLD)
+    if (i >= OLD && i < fresh_end())
         return corpus_fresh_make(i - OLD, s);
-    if (i >= countof(own))
-        return corpus_open(files[i - countof(own)], s);
-    own[i].make(s);
+    if (i >= countof(own) && i < OLD)
+        return open_example(files[i - countof(own)], s);
+    if (i < countof(own))
+        own[i].make(s);
+    else
+        corpus_last_make(i - fresh_end(), s);
     return true;
 }

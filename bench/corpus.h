@@ -2,7 +2,8 @@
  *
  * Every third one is held out: no rule of the planner was set for it. But what came of them has
  * been seen since the first planner, so there are fresh ones, made for the second and looked at
- * when it was done. SPDX-License-Identifier: MIT */
+ * when it was done, and last ones, made when the third was done and looked at once: no rule has
+ * been changed since. SPDX-License-Identifier: MIT */
 #ifndef BENCH_CORPUS_H
 #define BENCH_CORPUS_H
 
@@ -10,7 +11,7 @@
 
 enum { CORPUS_WIDTH_PX = 160, CORPUS_HEIGHT_PX = 120 };
 
-enum corpus_part { CORPUS_TUNED, CORPUS_HELD_OUT, CORPUS_FRESH, CORPUS_PARTS };
+enum corpus_part { CORPUS_TUNED, CORPUS_HELD_OUT, CORPUS_FRESH, CORPUS_LAST, CORPUS_PARTS };
 
 uint32_t corpus_count(void);
 const char *corpus_name(uint32_t i);
@@ -21,10 +22,12 @@ bool corpus_make(uint32_t i, struct scenes *s);
 
 /* --- of the above --- */
 
-bool corpus_open(const char *name, struct scenes *s); /* scenes/NAME.json, with the corpus's film */
-
 uint32_t corpus_fresh_count(void);
 const char *corpus_fresh_name(uint32_t i);
 bool corpus_fresh_make(uint32_t i, struct scenes *s);
+
+uint32_t corpus_last_count(void);
+const char *corpus_last_name(uint32_t i);
+void corpus_last_make(uint32_t i, struct scenes *s);
 
 #endif

@@ -169,7 +169,7 @@ const char *corpus_fresh_name(uint32_t i)
 bool corpus_fresh_make(uint32_t i, struct scenes *s)
 {
     if (i >= countof(fresh))
-        return corpus_open(file, s);
+        return open_example(file, s);
     fresh[i].make(s);
     return true;
 }

@@ -17,6 +17,21 @@ static inline void shine(struct shape *shape, float radiance)
     shape->emission = rgb_gray(radiance);
 }
 
+/* scenes/NAME.json, with the corpus's film. */
+static inline bool open_example(const char *name, struct scenes *s)
+{
+    if (!scenes_open(s, name))
+        return false;
+    struct scene_film *f = &s->scene.film;
+    *f = (struct scene_film){.width_px = CORPUS_WIDTH_PX,
+                             .height_px = CORPUS_HEIGHT_PX,
+                             .crop_x_end = CORPUS_WIDTH_PX,
+                             .crop_y_end = CORPUS_HEIGHT_PX,
+                             .filter = FILTER_BOX,
+                             .filter_radius_px = .5f};
+    return true;
+}
+
 /* A quad below y that shines down, around (x, z). */
 static inline void lamp(struct scenes *s, float x, float y, float z, float side, float radiance)
 {

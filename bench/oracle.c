@@ -2,6 +2,7 @@
 #include "bench/oracle.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "common/estimate.h"
 #include "common/trace/render.h"
@@ -55,14 +56,14 @@ static double mean_of(const struct film *f)
 
 struct bias {
     double square, error; /* less what noise makes of it, relative to pixels; its standard error */
-    double noise;         /* of the difference of the means: its standard error */
+    double lack, noise;   /* mean of what pixels lack, relative to them; its standard error */
 };
 
 static struct bias bias_of(const struct film *f, const struct film *reference, double floor)
 {
     const size_t pixels = tile_rect_pixels(f->window);
     const double n = (double)pixels;
-    double sum = 0, sum2 = 0, noise2 = 0;
+    double sum = 0, sum2 = 0, lack = 0, noise2 = 0;
     for (size_t i = 0; i < pixels; i++) {
         double a[3], b[3], ea[3], eb[3], here = 0, sd = 0;
         film_mean(f, i, a);
@@ -70,15 +71,19 @@ static struct bias bias_of(const struct film *f, const struct film *reference, d
         estimate_pixel(f, i, ea);
         estimate_pixel(reference, i, eb);
         for (int c = 0; c < 3; c++) {
-            const double off2 = ea[c] * ea[c] + eb[c] * eb[c];
-            here += ((a[c] - b[c]) * (a[c] - b[c]) - off2) / denominator(b[c], floor) / 3;
-            sd += sqrt(off2) / 3; /* channels are off together */
+            const double off2 = ea[c] * ea[c] + eb[c] * eb[c], y2 = denominator(b[c], floor);
+            here += ((a[c] - b[c]) * (a[c] - b[c]) - off2) / y2 / 3;
+            lack += (b[c] - a[c]) / sqrt(y2) / (3 * n);
+            sd += sqrt(off2 / y2) / 3; /* channels are off together */
         }
         sum += here / n;
         sum2 += here * here / n;
         noise2 += sd * sd / (n * n);
     }
-    return (struct bias){fmax(sum, 0), sqrt(fmax(sum2 - sum * sum, 0) / n), sqrt(noise2)};
+    return (struct bias){.square = fmax(sum, 0),
+                         .error = sqrt(fmax(sum2 - sum * sum, 0) / n),
+                         .lack = lack,
+                         .noise = sqrt(noise2)};
 }
 
 /* Noise twice as high as the usual method's for as much work, three times running: it is out of the
@@ -141,8 +146,11 @@ static struct oracle_curve run(const struct stage *s, struct film *film, const s
         if (c.is_out || is_good(&c) || (double)film->work.units > of->share / 2)
             break;
     }
-    for (uint32_t i = 0; i < c.count; i++) /* of the usual method, by the pixels as they are now */
-        c.square[i] = relative(squares[i], to, .01 * mean_of(to));
+    for (uint32_t i = 0; i < c.count; i++) {
+        c.square[i] =
+            relative(squares[i], to, .01 * mean_of(to)); /* by the pixels as they are now */
+        c.own[i] = relative(squares[i], film, .01 * mean_of(film));
+    }
     arena_release(&arena);
     arena_release(&kept);
     return c;
@@ -187,14 +195,15 @@ double oracle_reach(const struct oracle_curve *c, double e)
     return oracle_units(c, e) / c->units[c->count - 1];
 }
 
-/* Sets what the method leaves out. Of one that surely lacks light the bias counts as far as it may
- * reach: what has not been shown to suffice is no rival. Else it has none: what looks like it is
- * noise. */
+/* Sets what the method leaves out. Light is lacked by pixels, each beside its own: what is missing
+ * in dark ones is lost in the noise of the mean. Of a method that surely lacks light the bias
+ * counts as far as it may reach: what has not been shown to suffice is no rival. Else it has none:
+ * what looks like it is noise. */
 static void judge_bias(struct oracle_curve *c, const struct film *f, const struct film *reference)
 {
     const double mean = mean_of(reference);
     const struct bias bias = bias_of(f, reference, .01 * mean);
-    if (!(mean - mean_of(f) > 3 * bias.noise))
+    if (!(bias.lack > 3 * bias.noise))
         return;
     c->lacks = 1 - mean_of(f) / mean;
     c->bias = bias.square + 2 * bias.error;
@@ -207,6 +216,17 @@ static struct oracle_curve cut(const struct oracle_curve *of, double share)
     for (uint32_t i = 0; i + 1 < c.count; i++)
         if (c.units[i] > share / 2)
             c.count = i + 1;
+    return c;
+}
+
+/* As far as it has come, beside its own pixels where these are better known than the reference's.
+ */
+static struct oracle_curve beside_itself(const struct oracle_curve *of)
+{
+    struct oracle_curve c = *of;
+    const uint32_t last = c.count - 1;
+    if (c.lacks == 0 && c.own[last] < c.square[last])
+        memcpy(c.square, c.own, sizeof c.square);
     return c;
 }
 
@@ -231,6 +251,6 @@ void oracle_ask(struct scenes *s, double share, enum plan_candidate_kind chosen,
     }
     for (int k = 0; k < PLAN_REAL; k++)
         o->of[k] = cut(&whole[k], share);
-    o->chosen = whole[chosen];
+    o->chosen = beside_itself(&whole[chosen]);
     film_release(&reference);
 }

@@ -20,8 +20,9 @@ extern const double oracle_targets[ORACLE_TARGETS]; /* errors, the stricter one 
 struct oracle_curve { /* after 16, 32 .. samples of a pixel */
     uint32_t count;
     double square[ORACLE_LEVELS], units[ORACLE_LEVELS];
-    double bias, lacks; /* of one that leaves light out: squared error, share */
-    bool is_out;        /* of the race, before it had its share */
+    double own[ORACLE_LEVELS]; /* the squared error relative to its own last pixels */
+    double bias, lacks;        /* of one that leaves light out: squared error, share */
+    bool is_out;               /* of the race, before it had its share */
 };
 
 struct oracle {
