@@ -88,7 +88,7 @@ static bool sample_alone(const struct stage *s, const struct surface8 *from, str
     return true;
 }
 
-uint32_t light8_sample(const struct stage *s, const struct surface8 *from,
+uint32_t light8_sample(const struct stage *s, const struct surface8 *from, uint32_t lanes,
                        const struct sobol8_bits *q, struct light8_sample *out, struct ray shadow[8])
 {
     const struct stage_lamps *l = stage_at(s, s->lamps);
@@ -114,8 +114,9 @@ uint32_t light8_sample(const struct stage *s, const struct surface8 *from,
     out->value = vec8_over(column(l->radiance, c.lamp), out->pdf_w);
     out->wi = vec8_over(d, length);
     surface8_to_surface(from, &on, d, length, shadow);
-    uint32_t lit = i32x8_mask(seen);
-    for (uint32_t near = i32x8_mask(is_near(l, c.lamp, from, &on.ng)); near; near &= near - 1) {
+    uint32_t lit = lanes & i32x8_mask(seen);
+    uint32_t near = lanes & i32x8_mask(is_near(l, c.lamp, from, &on.ng));
+    for (; near; near &= near - 1) {
         const uint32_t i = (uint32_t)__builtin_ctz(near);
         const struct sobol_bits bits = {q->u[i], q->v[i]};
         lit &= ~(1u << i);

@@ -18,9 +18,9 @@ static inline bool light8_can(const struct stage *s)
     return s->lamps.count != 0;
 }
 
-/* Bit i: something may arrive in lane i; only then it holds anything. `shadow` is written as a
- * whole. */
-uint32_t light8_sample(const struct stage *, const struct surface8 *from,
+/* lanes: of which there is a surface; the others may hold anything. Bit i of them: something may
+ * arrive in lane i; only then it holds anything. `shadow` is written as a whole. */
+uint32_t light8_sample(const struct stage *, const struct surface8 *from, uint32_t lanes,
                        const struct sobol8_bits *, struct light8_sample *, struct ray shadow[8]);
 
 /* For prep.c: whether these emitters make such a scene; and its table, once the rest of the stage

@@ -229,9 +229,8 @@ uint32_t path8_light_directly(const struct stage *s, const struct path8 *p,
     struct passed to;
     if (!l.lanes)
         return 0;
-    const uint32_t lit = light8_can(s)
-                             ? l.lanes & light8_sample(s, &v->at, l.bits, &sample, shadows)
-                             : sample_each(s, v, &l, &sample, shadows);
+    const uint32_t lit = light8_can(s) ? light8_sample(s, &v->at, l.lanes, l.bits, &sample, shadows)
+                                       : sample_each(s, v, &l, &sample, shadows);
     pass_diffuse(v, vec8_dot(sample.wi, v->frame.z), &to);
     if (lit & ~v->diffuse)
         pass_others(s, v, lit & ~v->diffuse, warp8_to_local(&v->frame, sample.wi), &to);
