@@ -442,6 +442,7 @@ static void test_degenerate_uv(void)
         const struct warp_frame f = surface_detail_frame(m.detail.ns, m.detail.dp_du);
         const vec3 sum = m.detail.dp_du + m.detail.dp_dv + vec3_make(m.detail.u, m.detail.v, 0);
         bad += !m.hit || !is_frame(&f, m.detail.ns) || !(vec3_length(sum * 1e-30f) >= 0);
+        scenes_release(&s);
     }
     ok(!bad, "F-25: degenerate uv give a frame and no NaN (%d of %zu not)", bad, countof(cases));
     struct scenes s;
