@@ -51,10 +51,14 @@ double estimate_error(const struct film *f)
     return sqrt(sum / (3.0 * (double)pixels));
 }
 
+struct ends { /* of the interval: over pixels, of sums over channels */
+    double least, crossed, crossed2;
+};
+
 /* Adds to without[r] the squared standard error of all eight, from all but replicate r, times
- * scale; to the ninth that from all. */
-static void add_jackknife(double without[FILM_REPLICATES + 1], const double m[FILM_REPLICATES],
-                          double scale)
+ * scale; to the ninth that from all, and returns it. */
+static double add_jackknife(double without[FILM_REPLICATES + 1], const double m[FILM_REPLICATES],
+                            double scale)
 {
     enum { R = FILM_REPLICATES };
     double center = 0, square = 0;
@@ -62,18 +66,37 @@ static void add_jackknife(double without[FILM_REPLICATES + 1], const double m[FI
         center += m[r] / R;
     for (int r = 0; r < R; r++)
         square += (m[r] - center) * (m[r] - center);
-    without[R] += scale * square / ((R - 1) * R);
     for (int r = 0; r < R; r++) { /* the sum of squares, with one value less */
         const double off = m[r] - center, left = square - off * off * R / (R - 1);
         without[r] += scale * (left > 0 ? left : 0) / ((R - 2) * R);
     }
+    const double all = scale * square / ((R - 1) * R);
+    without[R] += all;
+    return all;
 }
 
-static void jackknife_pixel(const struct film *f, size_t pixel, double least,
-                            double without[FILM_REPLICATES + 1])
+/* The squared error of two replicates relative to the mean of the six others, in all eight ways. */
+static double crossed(const double m[FILM_REPLICATES], double least)
+{
+    enum { R = FILM_REPLICATES };
+    double total = 0, sum = 0;
+    for (int r = 0; r < R; r++)
+        total += m[r];
+    for (int r = 0; r < R; r++) {
+        const double a = m[r], b = m[(r + 1) % R], y = (total - a - b) / (R - 2);
+        const double y2 = y * y + least * least;
+        if (y2 > 0)
+            sum += (a - b) * (a - b) / y2;
+    }
+    return sum / (2 * R * R);
+}
+
+/* ends: NULL when they are not asked for. */
+static void add_pixel(const struct film *f, size_t pixel, double least,
+                      double without[FILM_REPLICATES + 1], struct ends *ends)
 {
     const float *sums = f->replicate + pixel * FILM_CHANNELS;
-    double mean[3], m[FILM_REPLICATES];
+    double mean[3], m[FILM_REPLICATES], both = 0;
     film_mean(f, pixel, mean);
     for (uint32_t c = 0; c < 3; c++) {
         const double y2 = mean[c] * mean[c] + least * least;
@@ -81,16 +104,25 @@ static void jackknife_pixel(const struct film *f, size_t pixel, double least,
             continue;
         for (uint32_t r = 0; r < FILM_REPLICATES; r++)
             m[r] = (double)sums[3 * r + c] / film_replicate_spp(f->spp[pixel], r);
-        add_jackknife(without, m, 1 / y2);
+        const double square = add_jackknife(without, m, 1 / y2);
+        if (!ends || square == 0)
+            continue;
+        ends->least += square / (1 + 3 * square);
+        both += crossed(m, least);
     }
+    if (!ends)
+        return;
+    ends->crossed += both;
+    ends->crossed2 += both * both;
 }
 
-/* U of the header and how far its interval reaches to either side. */
+/* U of the header and how far it may be off by chance. */
 struct square {
     double at, wide;
 };
 
-static struct square square_of(const struct film *f, struct tile_rect part, double least)
+static struct square square_of(const struct film *f, struct tile_rect part, double least,
+                               struct ends *ends)
 {
     enum { R = FILM_REPLICATES };
     const struct tile_rect w = f->window;
@@ -101,7 +133,7 @@ static struct square square_of(const struct film *f, struct tile_rect part, doub
             const size_t i = (y - w.y_begin) * width + (x - w.x_begin);
             if (f->spp[i] < R)
                 return (struct square){(double)INFINITY, 0};
-            jackknife_pixel(f, i, least, without);
+            add_pixel(f, i, least, without, ends);
         }
     for (int r = 0; r < R; r++) {
         pseudo[r] = R * without[R] - (R - 1) * without[r];
@@ -112,19 +144,20 @@ static struct square square_of(const struct film *f, struct tile_rect part, doub
     return (struct square){without[R], 2.365 * sqrt(spread / (R * (R - 1)))};
 }
 
-struct estimate_interval estimate_interval(const struct film *f)
-{
-    const struct square u = square_of(f, f->window, estimate_least(f));
-    if (isinf(u.at))
-        return (struct estimate_interval){0, (double)INFINITY};
-    const double low = u.at - u.wide, high = u.at + u.wide;
-    const double n = 3.0 * (double)tile_rect_pixels(f->window);
-    return (struct estimate_interval){low > 0 ? sqrt(low / n) : 0, sqrt(high / n)};
-}
-
 struct estimate_part estimate_part(const struct film *f, struct tile_rect part, double least)
 {
-    const struct square u = square_of(f, part, least);
+    const struct square u = square_of(f, part, least, NULL);
     const double n = 3.0 * (double)tile_rect_pixels(part);
     return (struct estimate_part){u.at / n, (u.at + u.wide) / n};
+}
+
+struct estimate_interval estimate_interval(const struct film *f)
+{
+    struct ends e = {0};
+    const struct square u = square_of(f, f->window, estimate_least(f), &e);
+    const double n = 3.0 * (double)tile_rect_pixels(f->window), low = e.least - u.wide;
+    if (isinf(u.at))
+        return (struct estimate_interval){0, (double)INFINITY};
+    const double high = max_f64(u.at + u.wide, e.crossed + 2 * sqrt(e.crossed2));
+    return (struct estimate_interval){low > 0 ? sqrt(low / n) : 0, sqrt(high / n)};
 }

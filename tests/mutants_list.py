@@ -144,6 +144,8 @@ MUTANTS = [
     bug("error bars that do not hold are trusted",
         [("common/evidence_bars.c", "!(all[i].hold && missed_around(f->window, all, i) <= most_around * all[i].bar)",
           "!(all[i].hold + missed_around(f->window, all, i) >= most_around * 0)")], "coverage"),
+    bug("the error's interval knows chance alone",
+        [("common/estimate.c", "e.crossed + 2 * sqrt(e.crossed2)", "0")], "coverage"),
     bug("a tile's border counted twice",
         [("common/tile.c", "min_u32(x + g->tile_px, g->window.x_end)",
           "min_u32(x + g->tile_px + 1, g->window.x_end)")], "tile"),
