@@ -431,9 +431,9 @@ static void test_degenerate_uv(void)
         {{0, 0}, {1e-45f, 0}, {0, 1e-45f}},
         {{1, 1}, {1.0000001f, 1}, {1, 1.0000001f}},
     };
+    struct scenes s;
     int bad = 0;
     for (size_t i = 0; i < countof(cases); i++) {
-        struct scenes s;
         scenes_init(&s, 1, 1);
         scenes_triangle(&s, curious(&s), vec3_make(-1, -1, 0), vec3_make(1, -1, 0),
                         vec3_make(0, 1, 0));
@@ -445,7 +445,6 @@ static void test_degenerate_uv(void)
         scenes_release(&s);
     }
     ok(!bad, "F-25: degenerate uv give a frame and no NaN (%d of %zu not)", bad, countof(cases));
-    struct scenes s;
     scenes_init(&s, 1, 1);
     scenes_sphere(&s, curious(&s), vec3_make(0, 0, 0), 1);
     const struct met pole = meet(scenes_stage(&s), vec3_make(0, 2, 0), vec3_make(0, -1, 0));
