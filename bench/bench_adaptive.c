@@ -151,6 +151,7 @@ static double units_to(const struct even_curve *c, double error2)
 struct tally { /* of gains */
     double logs, least;
     uint32_t count, gained; /* all; those of 1.5 and more */
+    uint32_t jobs, held;    /* all; those whose interval holds the true error */
 };
 
 static void count_gain(struct tally *t, double gain)
@@ -162,12 +163,21 @@ static void count_gain(struct tally *t, double gain)
 
 static void say(const struct adapt *a, double target, double error2, double gain)
 {
-    printf("  %4.1f %%: %5.2f %% seems, %5.2f %% true, %4u spp at most, %6.1f mean, %3.0f %% "
-           "stopped, gain ",
-           100 * target, 100 * estimate_error(&a->film), 100 * sqrt(error2 > 0 ? error2 : 0),
-           a->spp, adapt_mean_spp(a), 100 * adaptive_stopped(&a->adaptive, a->spp - 1));
+    const struct estimate_interval e = estimate_interval(&a->film);
+    printf("  %4.1f %%: %5.2f %% seems (%.2f to %.2f), %5.2f %% true, %4u spp at most, %6.1f mean, "
+           "%3.0f %% stopped, gain ",
+           100 * target, 100 * estimate_error(&a->film), 100 * e.low, 100 * e.high,
+           100 * sqrt(error2 > 0 ? error2 : 0), a->spp, adapt_mean_spp(a),
+           100 * adaptive_stopped(&a->adaptive, a->spp - 1));
     printf(isnan(gain) ? "unknown\n" : "%.2f\n", gain);
     fflush(stdout);
+}
+
+static void count_interval(struct tally *t, const struct film *f, double error2)
+{
+    const struct estimate_interval e = estimate_interval(f);
+    t->jobs++;
+    t->held += e.low * e.low <= error2 && error2 <= e.high * e.high;
 }
 
 static bool is_chance(const struct even_curve *c)
@@ -190,6 +200,7 @@ static void compare(const struct kept *k, const struct even_curve *c, const stru
         const double error2 = against_error2(&a.film, reference, window, least);
         const double gain = units_to(c, error2) / (double)a.film.work.units;
         say(&a, targets[i], error2, gain);
+        count_interval(&all[i], &a.film, error2);
         if (!isnan(gain) && !chance)
             count_gain(&all[i], gain);
     }
@@ -229,6 +240,10 @@ static void sum_up(const char *which, const struct tally all[TARGETS])
             printf("%s, %g %%: %u, of them %u with a gain of 1.5 and more; mean %.2f, least %.2f\n",
                    which, 100 * targets[i], all[i].count, all[i].gained,
                    exp(all[i].logs / all[i].count), all[i].least);
+    for (uint32_t i = 0; i < TARGETS; i++)
+        if (all[i].jobs)
+            printf("%s, %g %%: the interval of %u of %u jobs holds the true error\n", which,
+                   100 * targets[i], all[i].held, all[i].jobs);
 }
 
 int main(int argc, char **argv)
