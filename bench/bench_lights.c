@@ -27,9 +27,13 @@ static void variances(double *of_power, double *of_uniform)
             const struct swarm_law law = swarm_law(&w, &from);
             const struct stage *s = w.stage;
             const double bytes = (double)s->light_nodes.count * sizeof(struct stage_light_node);
-            printf("%7u  %5s  %8.3f   %8.3f   %8.3f   %8.0f%s\n", count, occluded ? "1/10" : "all",
-                   law.ours, law.power, law.uniform, bytes / count,
-                   s->light_nodes.count ? "" : " (by power)");
+            const char *seen = occluded ? "1/10" : "all";
+            if (isnan(law.power))
+                printf("%7u  %5s  none can be seen\n", count, seen);
+            else
+                printf("%7u  %5s  %8.3f   %8.3f   %8.3f   %8.0f%s\n", count, seen, law.ours,
+                       law.power, law.uniform, bytes / count,
+                       s->light_nodes.count ? "" : " (by power)");
             if (s->light_nodes.count) {
                 *of_power = fmax(*of_power, law.ours / law.power);
                 *of_uniform = fmax(*of_uniform, law.ours / law.uniform);
