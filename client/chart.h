@@ -112,7 +112,7 @@ bool chart_measure(struct chart *, const struct scene *, const struct chart_opti
 bool chart_price(struct chart *, const struct scene *, struct chart_crew *, struct arena *,
                  struct err *) MUST_CHECK;
 
-/* --- between these files --- */
+/* --- between these files: chart_prepare.c, chart_reference.c, chart_measure.c --- */
 
 /* The frame made small, whatever it is. */
 struct scene chart_shrunk(const struct scene *, uint32_t size_px);
