@@ -161,9 +161,9 @@ static void count_gain(struct tally *t, double gain)
     t->gained += gain >= 1.5;
 }
 
-static void say(const struct adapt *a, double target, double error2, double gain)
+static void say(const struct adapt *a, double target, struct estimate_interval e, double error2,
+                double gain)
 {
-    const struct estimate_interval e = estimate_interval(&a->film);
     printf("  %4.1f %%: %5.2f %% seems (%.2f to %.2f), %5.2f %% true, %4u spp at most, %6.1f mean, "
            "%3.0f %% stopped, gain ",
            100 * target, 100 * estimate_error(&a->film), 100 * e.low, 100 * e.high,
@@ -173,9 +173,8 @@ static void say(const struct adapt *a, double target, double error2, double gain
     fflush(stdout);
 }
 
-static void count_interval(struct tally *t, const struct film *f, double error2)
+static void count_interval(struct tally *t, struct estimate_interval e, double error2)
 {
-    const struct estimate_interval e = estimate_interval(f);
     t->jobs++;
     t->held += e.low * e.low <= error2 && error2 <= e.high * e.high;
 }
@@ -199,8 +198,9 @@ static void compare(const struct kept *k, const struct even_curve *c, const stru
     for (uint32_t i = 0; i < wanted && adapt_run(&a, targets[i], k->spp, fill_kept, k); i++) {
         const double error2 = against_error2(&a.film, reference, window, least);
         const double gain = units_to(c, error2) / (double)a.film.work.units;
-        say(&a, targets[i], error2, gain);
-        count_interval(&all[i], &a.film, error2);
+        const struct estimate_interval e = estimate_interval(&a.film);
+        say(&a, targets[i], e, error2, gain);
+        count_interval(&all[i], e, error2);
         if (!isnan(gain) && !chance)
             count_gain(&all[i], gain);
     }

@@ -244,10 +244,7 @@ static void wavy(struct scenes *s)
 
 /* --- the list --- */
 
-static const struct {
-    const char *name;
-    void (*make)(struct scenes *);
-} own[] = {
+static const struct corpus_scene scenes[] = {
     {"room, small lamp", room_small},
     {"room, lamp", room_lamp},
     {"room, panel", room_panel},
@@ -274,46 +271,62 @@ static const struct {
     {"caustic", caustic},
     {"glass alone", glass_alone},
     {"wavy ball", wavy},
+    {"cornell-box", NULL},
+    {"glass-and-metal", NULL},
+    {"many-lights", NULL},
+    {"materials", NULL},
 };
 
-static const char *const files[] = {"cornell-box", "glass-and-metal", "many-lights", "materials"};
-
-enum { OLD = countof(own) + countof(files) };
-
-static uint32_t fresh_end(void)
-{
-    return OLD + corpus_fresh_count();
-}
+static const struct corpus_list first = {scenes, countof(scenes)};
+static const struct corpus_list *const lists[] = {&first, &corpus_fresh, &corpus_last};
 
 uint32_t corpus_count(void)
 {
-    return fresh_end() + corpus_last_count();
+    uint32_t count = 0;
+    for (size_t k = 0; k < countof(lists); k++)
+        count += lists[k]->count;
+    return count;
+}
+
+/* The i-th of all. */
+static const struct corpus_scene *find(uint32_t i)
+{
+    size_t k = 0;
+    for (; i >= lists[k]->count; k++)
+        i -= lists[k]->count;
+    return &lists[k]->scenes[i];
 }
 
 const char *corpus_name(uint32_t i)
 {
-    return i < countof(own)  ? own[i].name
-           : i < OLD         ? files[i - countof(own)]
-           : i < fresh_end() ? corpus_fresh_name(i - OLD)
-                             : corpus_last_name(i - fresh_end());
+    return find(i)->name;
 }
 
 enum corpus_part corpus_part(uint32_t i)
 {
-    if (i >= fresh_end())
-        return CORPUS_LAST;
-    return i >= OLD ? CORPUS_FRESH : i % 3 == 2 ? CORPUS_HELD_OUT : CORPUS_TUNED;
+    if (i < first.count)
+        return i % 3 == 2 ? CORPUS_HELD_OUT : CORPUS_TUNED;
+    return i < first.count + corpus_fresh.count ? CORPUS_FRESH : CORPUS_LAST;
+}
+
+static bool open_example(const char *name, struct scenes *s)
+{
+    if (!scenes_open(s, name))
+        return false;
+    s->scene.film = (struct scene_film){.width_px = CORPUS_WIDTH_PX,
+                                        .height_px = CORPUS_HEIGHT_PX,
+                                        .crop_x_end = CORPUS_WIDTH_PX,
+                                        .crop_y_end = CORPUS_HEIGHT_PX,
+                                        .filter = FILTER_BOX,
+                                        .filter_radius_px = .5f};
+    return true;
 }
 
 bool corpus_make(uint32_t i, struct scenes *s)
 {
-    if (i >= OLD && i < fresh_end())
-        return corpus_fresh_make(i - OLD, s);
-    if (i >= countof(own) && i < OLD)
-        return open_example(files[i - countof(own)], s);
-    if (i < countof(own))
-        own[i].make(s);
-    else
-        corpus_last_make(i - fresh_end(), s);
+    const struct corpus_scene *scene = find(i);
+    if (!scene->make)
+        return open_example(scene->name, s);
+    scene->make(s);
     return true;
 }

@@ -20,14 +20,4 @@ enum corpus_part corpus_part(uint32_t i);
 /* False: its files are not here. The scene is in s, as the corpus's own or read from scenes/. */
 bool corpus_make(uint32_t i, struct scenes *s);
 
-/* --- of the above --- */
-
-uint32_t corpus_fresh_count(void);
-const char *corpus_fresh_name(uint32_t i);
-bool corpus_fresh_make(uint32_t i, struct scenes *s);
-
-uint32_t corpus_last_count(void);
-const char *corpus_last_name(uint32_t i);
-void corpus_last_make(uint32_t i, struct scenes *s);
-
 #endif

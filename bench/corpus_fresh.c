@@ -137,10 +137,7 @@ static void from_above(struct scenes *s)
     scenes_sky(s, rgb_gray(.3f));
 }
 
-static const struct {
-    const char *name;
-    void (*make)(struct scenes *);
-} fresh[] = {
+static const struct corpus_scene scenes[] = {
     {"window", window},
     {"spots", spots},
     {"corridor", corridor},
@@ -152,24 +149,7 @@ static const struct {
     {"shutters", shutters},
     {"white room", white_room},
     {"from above", from_above},
+    {"tiles", NULL},
 };
 
-static const char *const file = "tiles";
-
-uint32_t corpus_fresh_count(void)
-{
-    return countof(fresh) + 1;
-}
-
-const char *corpus_fresh_name(uint32_t i)
-{
-    return i < countof(fresh) ? fresh[i].name : file;
-}
-
-bool corpus_fresh_make(uint32_t i, struct scenes *s)
-{
-    if (i >= countof(fresh))
-        return open_example(file, s);
-    fresh[i].make(s);
-    return true;
-}
+const struct corpus_list corpus_fresh = {scenes, countof(scenes)};

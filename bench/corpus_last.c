@@ -126,10 +126,7 @@ static void mirror_cabinet(struct scenes *s)
     lamp(s, 0, 2.1f, 0, .4f, 12);
 }
 
-static const struct {
-    const char *name;
-    void (*make)(struct scenes *);
-} last[] = {
+static const struct corpus_scene scenes[] = {
     {"showcase", showcase},
     {"neon", neon},
     {"two bulbs", two_bulbs},
@@ -142,17 +139,4 @@ static const struct {
     {"mirror cabinet", mirror_cabinet},
 };
 
-uint32_t corpus_last_count(void)
-{
-    return countof(last);
-}
-
-const char *corpus_last_name(uint32_t i)
-{
-    return last[i].name;
-}
-
-void corpus_last_make(uint32_t i, struct scenes *s)
-{
-    last[i].make(s);
-}
+const struct corpus_list corpus_last = {scenes, countof(scenes)};

@@ -6,6 +6,18 @@
 
 #include "bench/corpus.h"
 
+struct corpus_scene {
+    const char *name;
+    void (*make)(struct scenes *); /* NULL: scenes/NAME.json, with the corpus's film */
+};
+
+struct corpus_list {
+    const struct corpus_scene *scenes;
+    uint32_t count;
+};
+
+extern const struct corpus_list corpus_fresh, corpus_last;
+
 static inline void start(struct scenes *s, vec3 from, vec3 at, double fov_y_deg)
 {
     scenes_init(s, CORPUS_WIDTH_PX, CORPUS_HEIGHT_PX);
@@ -15,21 +27,6 @@ static inline void start(struct scenes *s, vec3 from, vec3 at, double fov_y_deg)
 static inline void shine(struct shape *shape, float radiance)
 {
     shape->emission = rgb_gray(radiance);
-}
-
-/* scenes/NAME.json, with the corpus's film. */
-static inline bool open_example(const char *name, struct scenes *s)
-{
-    if (!scenes_open(s, name))
-        return false;
-    struct scene_film *f = &s->scene.film;
-    *f = (struct scene_film){.width_px = CORPUS_WIDTH_PX,
-                             .height_px = CORPUS_HEIGHT_PX,
-                             .crop_x_end = CORPUS_WIDTH_PX,
-                             .crop_y_end = CORPUS_HEIGHT_PX,
-                             .filter = FILTER_BOX,
-                             .filter_radius_px = .5f};
-    return true;
 }
 
 /* A quad below y that shines down, around (x, z). */
