@@ -52,7 +52,7 @@ double estimate_error(const struct film *f)
 }
 
 struct ends { /* of the interval: over pixels, of sums over channels */
-    double least, crossed, crossed2;
+    double low, crossed, crossed2;
 };
 
 /* Adds to without[r] the squared standard error of all eight, from all but replicate r, times
@@ -107,7 +107,7 @@ static void add_pixel(const struct film *f, size_t pixel, double least,
         const double square = add_jackknife(without, m, 1 / y2);
         if (!ends || square == 0)
             continue;
-        ends->least += square / (1 + 3 * square);
+        ends->low += square / (1 + 3 * square);
         both += crossed(m, least);
     }
     if (!ends)
@@ -155,7 +155,7 @@ struct estimate_interval estimate_interval(const struct film *f)
 {
     struct ends e = {0};
     const struct square u = square_of(f, f->window, estimate_least(f), &e);
-    const double n = 3.0 * (double)tile_rect_pixels(f->window), low = e.least - u.wide;
+    const double n = 3.0 * (double)tile_rect_pixels(f->window), low = e.low - u.wide;
     if (isinf(u.at))
         return (struct estimate_interval){0, (double)INFINITY};
     const double high = max_f64(u.at + u.wide, e.crossed + 2 * sqrt(e.crossed2));

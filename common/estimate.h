@@ -50,7 +50,7 @@ struct estimate_part { /* mean over px, ch of s^2 / (y^2 + e^2), and its upper e
 /* Of the rectangle, inside the film's window; both +infinity while a pixel's error is unknown. */
 struct estimate_part estimate_part(const struct film *, struct tile_rect, double least);
 
-/* 95 %, of estimate_error; [0, +infinity] while that is unknown. */
+/* 95 %, of the job's true error; [0, +infinity] while estimate_error is unknown. */
 struct estimate_interval estimate_interval(const struct film *);
 
 double estimate_error(const struct film *); /* +infinity while any pixel's is unknown;
