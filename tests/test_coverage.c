@@ -13,6 +13,7 @@
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "bench/corpus.h"
 #include "tests/repeats.h"
@@ -106,13 +107,18 @@ static void say(const char *name, const struct found *f, uint32_t l)
          100 * f->wide[l] / f->expected[l].bars, percent(f->expected[l]), percent(f->own[l]));
 }
 
-/* Where nearly nothing is trusted, the few that are may be the worst. The worst scene but for those
- * has light that spots send over a metal ball, at 64 spp: 78.6 %. */
+/* Of one scene. The worst has light that spots send over a metal ball: 78.6 % at 64 spp. */
+static double least_of(const char *name)
+{
+    return strcmp(name, "spots") == 0 ? 75 : 80;
+}
+
+/* Where nearly nothing is trusted, the few that are may be the worst. */
 static void judge_scene(const char *name, const struct found *f, uint32_t l)
 {
     const struct tally trusted = f->bars[l][EVIDENCE_TRUSTED];
     if (trusted.bars >= .05 * (trusted.bars + untrusted(f->bars[l]).bars))
-        ok(percent(trusted) >= 75,
+        ok(percent(trusted) >= least_of(name),
            "%s, %u spp: %.1f %% of trusted bars hold, errors are %.2f of "
            "the true ones",
            name, level_spp[l], percent(trusted), f->estimated[l]);
